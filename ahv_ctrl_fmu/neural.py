@@ -1,0 +1,194 @@
+"""The paper's adaptive neural law, equations (17)-(57), as pure functions of state, inputs, parameters.
+
+State (18 numbers), in the order of `State`:
+    V_ref[2], h_ref[2]   reference filters (67)
+    V_integral, phi_1    velocity loop (19), (27)
+    chi[4], chi_d[4]     differentiators (13) on the tracked angle and on gamma_d
+    e_integral, phi_2    altitude loop (43), (57)
+and theta_trim, remembered from the start.
+"""
+from collections import namedtuple
+from types import SimpleNamespace
+
+from ahv_plant_fmu.trim import level_trim
+from ahv_plant_fmu.vehicle import COEFFICIENTS
+
+from .differentiator import (
+    differentiator_rate,
+    differentiator_step,
+    differentiator_transition,
+    filter_rate,
+    filter_step,
+    filter_transition,
+)
+
+NODES = 20
+NOMINAL_VEHICLE = SimpleNamespace(**{name: value for name, _, value, _ in COEFFICIENTS})
+
+State = namedtuple("State", "V_ref h_ref V_integral phi_1 chi chi_d e_integral phi_2 theta_trim")
+
+
+def unpack(x):
+    return State(x[0:2], x[2:4], x[4], x[5], x[6:10], x[10:14], x[14], x[15], x[16])
+
+
+def pack(s):
+    return [*s.V_ref, *s.h_ref, s.V_integral, s.phi_1, *s.chi, *s.chi_d, s.e_integral, s.phi_2, s.theta_trim]
+
+
+def activation(m, dimensions):
+    """h^T h of (11) for NODES nodes spaced evenly along the diagonal of a box.
+
+    `dimensions` has (input, low, high, width) for each network input. The centres lie on a line, so
+    the squared distance is quadratic in the node's index; h_j^2 = exp(-distance^2), the half cancels.
+    """
+    a = b = c = 0.0
+    for value, low, high, width in dimensions:
+        offset = (value - low) / width
+        stride = (high - low) / (width * (NODES - 1))
+        a = a + offset * offset
+        b = b + offset * stride
+        c = c + stride * stride
+    b = 2 * b
+    total = 0.0
+    for j in range(NODES):
+        total = total + m.exp((b - c * j) * j - a)
+    return total
+
+
+def gamma_command(m, h, V, h_ref, p):
+    """gamma_d of (36), rad; the arcsine's argument is kept within +-0.5 (30 degrees)."""
+    return m.asin(m.clip((-p.k_gamma * (h - h_ref[0]) + h_ref[1]) / V, -0.5, 0.5))
+
+
+def tracked_angle(u, s, p):
+    """gamma, moved to where the elevator first acts in the third derivative (c_theta = c_Q = 0: gamma)."""
+    return u.gamma + p.c_theta * (u.theta - s.theta_trim) + p.c_Q * u.Q
+
+
+def velocity_law(m, s, u, p):
+    """(17), (19), (26), (27): a namespace with the fuel ratio and all that led to it."""
+    error = u.V - s.V_ref[0]                                                            # (17)
+    phi_0 = -p.kV1 * error - p.kV2 * s.V_integral + s.V_ref[1]                          # below (19)
+    hh = activation(m, ((u.V, p.net1_V_min, p.net1_V_max, p.net1_V_width),
+                        (phi_0, p.net1_Phi0_min, p.net1_Phi0_max, p.net1_Phi0_width)))
+    network = 0.5 * error * s.phi_1 * hh                                                # (26)
+    wanted = (phi_0 - network) / p.kV                                                   # (19)
+    fuel_ratio = m.clip(wanted, p.fuel_ratio_min, p.fuel_ratio_max)
+    saturated = m.either(wanted < p.fuel_ratio_min, wanted > p.fuel_ratio_max)
+    return SimpleNamespace(error=error, network=network, fuel_ratio=fuel_ratio, saturated=saturated,
+                           growth=0.5 * p.lambda_1 * error * error * hh)                # (27)
+
+
+def errors(m, s, u, p):
+    """(43), (47): e0, its estimated derivatives e1, e2, and gamma_d."""
+    gamma_d = gamma_command(m, u.h, u.V, s.h_ref, p)
+    e0 = tracked_angle(u, s, p) - gamma_d
+    z2 = s.chi[1]
+    z3 = m.where(p.z3_from_pitch_rate, p.pitch_rate_gain * (u.Q - z2), s.chi[2])
+    return gamma_d, e0, z2 - s.chi_d[1], z3 - s.chi_d[2]
+
+
+def altitude_law(m, s, u, p):
+    """(36), (43)-(57): a namespace with the elevator and all that led to it."""
+    mu = p.mu
+    gamma_d, e0, e1, e2 = errors(m, s, u, p)
+    E = e2 + 3 * mu * e1 + 3 * mu**2 * e0 + mu**3 * s.e_integral                        # (48)
+    delta_0 = -p.kh1 * E + s.chi_d[3] - 3 * mu * e2 - 3 * mu**2 * e1 - mu**3 * e0       # (49)
+    hh = activation(m, ((u.gamma, p.net2_gamma_min, p.net2_gamma_max, p.net2_gamma_width),
+                        (u.theta, p.net2_theta_min, p.net2_theta_max, p.net2_theta_width),
+                        (u.Q, p.net2_Q_min, p.net2_Q_max, p.net2_Q_width),
+                        (p.direction * delta_0, p.net2_delta0_min, p.net2_delta0_max, p.net2_delta0_width)))
+    network = 0.5 * E * s.phi_2 * hh                                                    # (56)
+    wanted = p.direction * (delta_0 - network) / p.kh                                   # (49)
+    elevator = m.clip(wanted, p.elevator_min, p.elevator_max)
+    saturated = m.either(wanted < p.elevator_min, wanted > p.elevator_max)
+    return SimpleNamespace(gamma_d=gamma_d, e0=e0, E=E, network=network, elevator=elevator, saturated=saturated,
+                           growth=0.5 * p.lambda_2 * E * E * hh)                        # (57)
+
+
+def start(m, u, p):
+    """References, filters and differentiators at rest where the vehicle is, integrals such that the first
+    outputs are the trim: the nominal vehicle's at the measured V and h, or the given one."""
+    trim = level_trim(m, u.V, u.h, NOMINAL_VEHICLE)
+    fuel_ratio = m.where(p.solve_trim, trim.fuel_ratio, p.fuel_ratio_trim)
+    elevator = m.where(p.solve_trim, trim.elevator, p.elevator_trim)
+    theta_trim = m.where(p.solve_trim, trim.theta, p.theta_trim)
+    rest = State(V_ref=[u.V, 0.0], h_ref=[u.h, 0.0], V_integral=-p.kV * fuel_ratio / p.kV2, phi_1=0.0,
+                 chi=[0.0] * 4, chi_d=[gamma_command(m, u.h, u.V, [u.h, 0.0], p), 0.0, 0.0, 0.0],
+                 e_integral=0.0, phi_2=0.0, theta_trim=theta_trim)
+    rest = rest._replace(chi=[tracked_angle(u, rest, p), 0.0, 0.0, 0.0])
+    _, e0, e1, e2 = errors(m, rest, u, p)
+    mu = p.mu
+    E = -(p.direction * p.kh * elevator + 3 * mu * e2 + 3 * mu**2 * e1 + mu**3 * e0) / p.kh1
+    return pack(rest._replace(e_integral=(E - e2 - 3 * mu * e1 - 3 * mu**2 * e0) / mu**3))
+
+
+def derivative(m, x, u, p):
+    """dx/dt of the law in continuous time: what `advance` steps, and what linearisation needs."""
+    s = unpack(x)
+    a = (p.a1, p.a2, p.a3, p.a4)
+    velocity, altitude = velocity_law(m, s, u, p), altitude_law(m, s, u, p)
+    return pack(State(
+        V_ref=filter_rate(s.V_ref, u.V_command, p.reference_omega, p.reference_zeta),
+        h_ref=filter_rate(s.h_ref, u.h_command, p.reference_omega, p.reference_zeta),
+        V_integral=m.where(velocity.saturated, 0.0, velocity.error),
+        phi_1=velocity.growth - 2 * s.phi_1,
+        chi=differentiator_rate(s.chi, tracked_angle(u, s, p), p.R, a),
+        chi_d=differentiator_rate(s.chi_d, altitude.gamma_d, p.R_d, a),
+        e_integral=m.where(altitude.saturated, 0.0, altitude.e0),
+        phi_2=altitude.growth - 2 * s.phi_2,
+        theta_trim=0.0))
+
+
+def prepare(m, p, h):
+    """36 transition entries for steps of h: reference filter (4), differentiators on y (16), gamma_d (16)."""
+    a = (p.a1, p.a2, p.a3, p.a4)
+    return [*filter_transition(p.reference_omega, p.reference_zeta, h),
+            *differentiator_transition(p.R, a, h), *differentiator_transition(p.R_d, a, h)]
+
+
+def advance(m, t, h, x, u, p, c):
+    """One step of h seconds with the inputs held: exact where the law is linear, second order elsewhere."""
+    s = unpack(x)
+    a = (p.a1, p.a2, p.a3, p.a4)
+    velocity, altitude = velocity_law(m, s, u, p), altitude_law(m, s, u, p)
+    y = tracked_angle(u, s, p)
+    V_ref = filter_step(c[0:4], s.V_ref, u.V_command)
+    h_ref = filter_step(c[0:4], s.h_ref, u.h_command)
+    gamma_d = gamma_command(m, u.h, u.V, h_ref, p)
+    new = State(
+        V_ref=V_ref, h_ref=h_ref,
+        V_integral=s.V_integral + m.where(velocity.saturated, 0.0, h / 2 * (velocity.error + u.V - V_ref[0])),
+        phi_1=s.phi_1,
+        chi=differentiator_step(c[4:20], s.chi, y, y, h, p.R, a),
+        chi_d=differentiator_step(c[20:36], s.chi_d, altitude.gamma_d, gamma_d, h, p.R_d, a),
+        e_integral=s.e_integral + m.where(altitude.saturated, 0.0, h / 2 * (altitude.e0 + y - gamma_d)),
+        phi_2=s.phi_2, theta_trim=s.theta_trim)
+    decay = m.exp(-2 * h)
+    later_velocity, later_altitude = velocity_law(m, new, u, p), altitude_law(m, new, u, p)
+    return pack(new._replace(
+        phi_1=decay * s.phi_1 + (1 - decay) / 4 * (velocity.growth + later_velocity.growth),
+        phi_2=decay * s.phi_2 + (1 - decay) / 4 * (altitude.growth + later_altitude.growth)))
+
+
+def outputs(m, t, x, u, p):
+    s = unpack(x)
+    velocity, altitude = velocity_law(m, s, u, p), altitude_law(m, s, u, p)
+    return {
+        "fuel_ratio": velocity.fuel_ratio,
+        "elevator": altitude.elevator,
+        "V_reference": s.V_ref[0],
+        "h_reference": s.h_ref[0],
+        "V_error": velocity.error,
+        "h_error": u.h - s.h_ref[0],
+        "gamma_command": altitude.gamma_d,
+        "gamma_error": altitude.e0,
+        "error_function": altitude.E,
+        "phi_hat_1": s.phi_1,
+        "phi_hat_2": s.phi_2,
+        "network_1": velocity.network,
+        "network_2": altitude.network,
+        "fuel_ratio_saturated": velocity.saturated,
+        "elevator_saturated": altitude.saturated,
+    }

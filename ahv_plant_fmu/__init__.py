@@ -1,0 +1,1 @@
+"""The vehicle: its data, its equations (1)-(9), its trim."""

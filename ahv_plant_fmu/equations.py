@@ -1,0 +1,85 @@
+"""Equations (1)-(9) of the paper: forces, moments, and the nine state derivatives.
+
+State x = [V, h, gamma, theta, Q, eta1, eta1_dot, eta2, eta2_dot].
+`m` is the mathematics backend (floats or CasADi symbols), `p` has the coefficients as attributes,
+`scale` one factor per coefficient group (1 is nominal).
+"""
+
+
+def dynamic_pressure(m, V, h, p):
+    """q = rho V^2 / 2 with the exponential atmosphere of (8), lbf/ft^2."""
+    density = p.air_density_0 * m.exp(-(h - p.h_0) / p.h_scale)
+    return 0.5 * density * V * V
+
+
+def thrust_slope(alpha, p):
+    """dT/dPhi of (8), (9), lbf/ft."""
+    return ((p.beta_1 * alpha + p.beta_3) * alpha + p.beta_5) * alpha + p.beta_7
+
+
+def thrust_offset(alpha, p):
+    """T at Phi = 0 of (8), (9), lbf/ft."""
+    return ((p.beta_2 * alpha + p.beta_4) * alpha + p.beta_6) * alpha + p.beta_8
+
+
+def thrust(alpha, fuel_ratio, p):
+    """T of (8), (9), lbf/ft."""
+    return thrust_slope(alpha, p) * fuel_ratio + thrust_offset(alpha, p)
+
+
+def lift(q, alpha, elevator, p):
+    """L of (8), lbf/ft."""
+    return q * p.reference_area * (p.CL_alpha * alpha + p.CL_elevator * elevator + p.CL_0)
+
+
+def drag(q, alpha, elevator, p):
+    """D of (8), lbf/ft."""
+    return (q * p.reference_area
+            * ((p.CD_alpha2 * alpha + p.CD_alpha) * alpha
+               + (p.CD_elevator2 * elevator + p.CD_elevator) * elevator + p.CD_0))
+
+
+def aerodynamic_moment(q, alpha, elevator, p):
+    """The part of M in (8) that is not due to thrust, lbf.ft/ft."""
+    return (q * p.reference_area * p.chord
+            * ((p.CM_alpha2 * alpha + p.CM_alpha) * alpha + p.CM_0 + p.CM_elevator * elevator))
+
+
+def generalised_forces(alpha, elevator, p):
+    """N1, N2 of (8), 1/s^2."""
+    return ((p.N1_alpha2 * alpha + p.N1_alpha) * alpha + p.N1_0,
+            (p.N2_alpha2 * alpha + p.N2_alpha) * alpha + p.N2_0 + p.N2_elevator * elevator)
+
+
+def forces(m, x, fuel_ratio, elevator, scale, p):
+    """(q, T, L, D, M, N1, N2) of (8), (9) with every coefficient group scaled."""
+    alpha = x[3] - x[2]
+    q = dynamic_pressure(m, x[0], x[1], p)
+    T = scale.thrust * thrust(alpha, fuel_ratio, p)
+    L = scale.lift * lift(q, alpha, elevator, p)
+    D = scale.drag * drag(q, alpha, elevator, p)
+    M = p.thrust_arm * T + scale.moment * aerodynamic_moment(q, alpha, elevator, p)
+    N1, N2 = generalised_forces(alpha, elevator, p)
+    return q, T, L, D, M, scale.forces * N1, scale.forces * N2
+
+
+def derivative(m, x, fuel_ratio, elevator, scale, p):
+    """dx/dt of (1)-(7), nine numbers, per second."""
+    V, _, gamma, theta, Q, eta1, eta1_dot, eta2, eta2_dot = x
+    alpha = theta - gamma
+    _, T, L, D, M, N1, N2 = forces(m, x, fuel_ratio, elevator, scale, p)
+    mass, Iyy, g, psi1, psi2 = p.mass, p.pitch_inertia, p.gravity, p.psi_1, p.psi_2
+    sin_gamma = m.sin(gamma)
+
+    V_dot = (T * m.cos(alpha) - D) / mass - g * sin_gamma                               # (1)
+    h_dot = V * sin_gamma                                                               # (2)
+    gamma_dot = (L + T * m.sin(alpha)) / (mass * V) - g * m.cos(gamma) / V              # (3)
+    # (6), (7): k1 eta1'' + c eta2'' = r1, c eta1'' + k2 eta2'' = r2
+    k1, k2, c = 1 + psi1 * psi1 / Iyy, 1 + psi2 * psi2 / Iyy, psi1 * psi2 / Iyy
+    r1 = -2 * p.zeta_1 * p.omega_1 * eta1_dot - p.omega_1 * p.omega_1 * eta1 + N1 - psi1 * M / Iyy
+    r2 = -2 * p.zeta_2 * p.omega_2 * eta2_dot - p.omega_2 * p.omega_2 * eta2 + N2 - psi2 * M / Iyy
+    determinant = k1 * k2 - c * c
+    eta1_ddot = (k2 * r1 - c * r2) / determinant
+    eta2_ddot = (k1 * r2 - c * r1) / determinant
+    Q_dot = (M + psi1 * eta1_ddot + psi2 * eta2_ddot) / Iyy                             # (5)
+    return [V_dot, h_dot, gamma_dot, Q, Q_dot, eta1_dot, eta1_ddot, eta2_dot, eta2_ddot]  # (4)

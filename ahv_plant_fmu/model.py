@@ -1,0 +1,121 @@
+"""The plant as a component: its table of variables, its start, its step, its outputs.
+
+A model's functions are pure; `m` is the mathematics backend, `u` and `p` have the inputs and the
+parameters of the table as attributes. See `fmus.model` for the contract.
+"""
+from math import pi
+from types import SimpleNamespace
+
+from .equations import derivative, forces
+from .trim import level_trim
+from .vehicle import COEFFICIENTS, STRUCTURES
+
+NAME = "AhvPlant"
+DESCRIPTION = "Longitudinal dynamics of a flexible air-breathing hypersonic vehicle, equations (1)-(9)"
+
+MODAL = "sqrt(slug.ft)"  # a mass-normalised modal coordinate, per foot of depth
+DEG = pi / 180
+
+# name, causality, unit, start, min, max, nominal, description.
+# The range of an output is where the model is valid: outside it the step is refused.
+VARIABLES = [
+    ("fuel_ratio", "input", "1", 0.267, None, None, 1.0, "fuel equivalence ratio Phi"),
+    ("elevator", "input", "rad", 0.2184, None, None, 0.1, "elevator deflection"),
+    ("scale_thrust", "input", "1", 1.0, None, None, 1.0, "factor on all thrust coefficients"),
+    ("scale_lift", "input", "1", 1.0, None, None, 1.0, "factor on all lift coefficients"),
+    ("scale_drag", "input", "1", 1.0, None, None, 1.0, "factor on all drag coefficients"),
+    ("scale_moment", "input", "1", 1.0, None, None, 1.0, "factor on all pitching moment coefficients"),
+    ("scale_forces", "input", "1", 1.0, None, None, 1.0, "factor on all generalised force coefficients"),
+
+    ("V", "output", "ft/s", None, 3000.0, 20000.0, 1000.0, "velocity"),
+    ("h", "output", "ft", None, 20000.0, 250000.0, 1000.0, "altitude"),
+    ("gamma", "output", "rad", None, -pi / 2, pi / 2, 0.01, "flight-path angle"),
+    ("theta", "output", "rad", None, -pi / 2, pi / 2, 0.01, "pitch angle"),
+    ("Q", "output", "rad/s", None, None, None, 0.01, "pitch rate"),
+    ("eta1", "output", MODAL, None, None, None, 1.0, "elastic coordinate of mode 1"),
+    ("eta1_dot", "output", MODAL + "/s", None, None, None, 1.0, "rate of eta1"),
+    ("eta2", "output", MODAL, None, None, None, 1.0, "elastic coordinate of mode 2"),
+    ("eta2_dot", "output", MODAL + "/s", None, None, None, 1.0, "rate of eta2"),
+    ("alpha", "output", "rad", None, None, None, 0.01, "angle of attack, theta - gamma"),
+    ("dynamic_pressure", "output", "lbf/ft2", None, None, None, 1000.0, "dynamic pressure"),
+    ("thrust", "output", "lbf/ft", None, None, None, 1000.0, "thrust per foot of depth"),
+    ("lift", "output", "lbf/ft", None, None, None, 10000.0, "lift per foot of depth"),
+    ("drag", "output", "lbf/ft", None, None, None, 1000.0, "drag per foot of depth"),
+    ("pitching_moment", "output", "lbf", None, None, None, 10000.0, "pitching moment per foot of depth"),
+    ("load_factor", "output", "1", None, None, None, 1.0, "(L + T sin alpha) / (m g)"),
+    ("fuel_ratio_trim", "calculatedParameter", "1", None, None, None, 1.0, "fuel ratio of the trim at V_start, h_start"),
+    ("elevator_trim", "calculatedParameter", "rad", None, None, None, 0.1, "elevator of the trim at V_start, h_start"),
+    ("theta_trim", "calculatedParameter", "rad", None, None, None, 0.01, "pitch angle of the trim at V_start, h_start"),
+    ("trim_residual", "calculatedParameter", "1", None, None, None, 1.0, "largest state derivative left at the trim"),
+
+    ("V_start", "parameter", "ft/s", 7700.0, 5000.0, 15000.0, None, "initial velocity"),
+    ("h_start", "parameter", "ft", 85000.0, 50000.0, 150000.0, None, "initial altitude"),
+    ("start_at_trim", "parameter", "", True, None, None, None, "start in level trim at V_start, h_start; else at the *_start below"),
+    ("gamma_start", "parameter", "rad", 0.0, -80 * DEG, 80 * DEG, None, "initial flight-path angle, if not at trim"),
+    ("theta_start", "parameter", "rad", 0.0, -80 * DEG, 80 * DEG, None, "initial pitch angle, if not at trim"),
+    ("Q_start", "parameter", "rad/s", 0.0, -10.0, 10.0, None, "initial pitch rate, if not at trim"),
+    ("eta1_start", "parameter", MODAL, 0.0, -100.0, 100.0, None, "initial eta1, if not at trim"),
+    ("eta1_dot_start", "parameter", MODAL + "/s", 0.0, -1000.0, 1000.0, None, "initial eta1_dot, if not at trim"),
+    ("eta2_start", "parameter", MODAL, 0.0, -100.0, 100.0, None, "initial eta2, if not at trim"),
+    ("eta2_dot_start", "parameter", MODAL + "/s", 0.0, -1000.0, 1000.0, None, "initial eta2_dot, if not at trim"),
+    ("internal_step", "parameter", "s", 0.001, 1e-6, 0.02, None, "longest internal Runge-Kutta step"),
+    *((name, "parameter", unit, value, *((1e-3 * value, 1e3 * value) if name in
+       ("mass", "pitch_inertia", "reference_area", "chord", "gravity", "air_density_0", "h_scale", "omega_1", "omega_2")
+       else (None, None)), None, text) for name, unit, value, text in COEFFICIENTS),
+]
+
+PRESETS = STRUCTURES
+
+SHOWN_STATES = ("V", "h", "gamma", "theta", "Q", "eta1", "eta1_dot", "eta2", "eta2_dot")
+MEMORY = ("fuel_ratio_trim", "elevator_trim", "theta_trim", "trim_residual")
+
+
+def scales(u):
+    return SimpleNamespace(thrust=u.scale_thrust, lift=u.scale_lift, drag=u.scale_drag,
+                           moment=u.scale_moment, forces=u.scale_forces)
+
+
+def start(m, u, p):
+    """Initial state: nine states of (1)-(7), then the trim that was solved."""
+    trim = level_trim(m, p.V_start, p.h_start, p)
+
+    def either(at_trim, otherwise):
+        return m.where(p.start_at_trim, at_trim, otherwise)
+
+    return [p.V_start, p.h_start, either(0.0, p.gamma_start), either(trim.theta, p.theta_start),
+            either(0.0, p.Q_start), either(trim.eta1, p.eta1_start), either(0.0, p.eta1_dot_start),
+            either(trim.eta2, p.eta2_start), either(0.0, p.eta2_dot_start),
+            trim.fuel_ratio, trim.elevator, trim.theta, trim.residual]
+
+
+def advance(m, t, h, x, u, p, c):
+    """One classical Runge-Kutta step of h seconds with the inputs held."""
+    scale = scales(u)
+    x0, memory = x[:9], x[9:]
+
+    def rate(x):
+        return derivative(m, x, u.fuel_ratio, u.elevator, scale, p)
+
+    k1 = rate(x0)
+    k2 = rate([a + h / 2 * k for a, k in zip(x0, k1)])
+    k3 = rate([a + h / 2 * k for a, k in zip(x0, k2)])
+    k4 = rate([a + h * k for a, k in zip(x0, k3)])
+    return [a + h / 6 * (ka + 2 * (kb + kc) + kd)
+            for a, ka, kb, kc, kd in zip(x0, k1, k2, k3, k4)] + memory
+
+
+def outputs(m, t, x, u, p):
+    states, memory = x[:9], x[9:]
+    alpha = x[3] - x[2]
+    q, T, L, D, M, _, _ = forces(m, states, u.fuel_ratio, u.elevator, scales(u), p)
+    return {
+        **dict(zip(SHOWN_STATES, states)),
+        "alpha": alpha,
+        "dynamic_pressure": q,
+        "thrust": T,
+        "lift": L,
+        "drag": D,
+        "pitching_moment": M,
+        "load_factor": (L + T * m.sin(alpha)) / (p.mass * p.gravity),
+        **dict(zip(MEMORY, memory)),
+    }

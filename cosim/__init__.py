@@ -1,0 +1,1 @@
+"""Flies FMU files together; knows nothing of what is inside them."""

@@ -1,0 +1,1 @@
+"""The commands and coefficient changes of a run."""

@@ -1,0 +1,89 @@
+"""Commands and coefficient scales over time, as a component without inputs or state.
+
+Every signal is base + staircase + square + gated sinusoid; its numbers are parameters, and a case of
+the paper is a set of them.
+"""
+from math import pi
+
+NAME = "AhvScenario"
+DESCRIPTION = "Commands and coefficient scales of a flight: the paper's Case 1, Case 2, hold, or one's own"
+
+EARLY = 1e-9  # s: an edge is not missed by a rounding of the clock
+
+SIGNALS = [
+    ("V_command", "ft/s", 7700.0, 1000.0, "commanded velocity"),
+    ("h_command", "ft", 85000.0, 1000.0, "commanded altitude"),
+    ("scale_thrust", "1", 1.0, 1.0, "factor on the thrust coefficients"),
+    ("scale_lift", "1", 1.0, 1.0, "factor on the lift coefficients"),
+    ("scale_drag", "1", 1.0, 1.0, "factor on the drag coefficients"),
+    ("scale_moment", "1", 1.0, 1.0, "factor on the pitching moment coefficients"),
+    ("scale_forces", "1", 1.0, 1.0, "factor on the generalised force coefficients"),
+]
+SCALES = [name for name, *_ in SIGNALS if name.startswith("scale")]
+FOREVER = 1e6
+
+
+def shape(base, unit):
+    """Parameters of one signal: suffix, unit, start, min, max, description."""
+    return [
+        ("base", unit, base, None, None, "value before anything else"),
+        ("step", unit, 0.0, None, None, "height of each stair"),
+        ("step_time", "s", 0.0, 0.0, None, "time of the first stair"),
+        ("step_period", "s", FOREVER, 1e-3, None, "time between stairs"),
+        ("step_count", "1", 1.0, 0.0, 1000.0, "number of stairs"),
+        ("square", unit, 0.0, None, None, "height of the square wave, high first"),
+        ("square_period", "s", 200.0, 1e-3, None, "period of the square wave"),
+        ("sine", unit, 0.0, None, None, "amplitude of the sinusoid"),
+        ("sine_omega", "rad/s", 1.0, 0.0, 1000.0, "angular frequency of the sinusoid"),
+        ("sine_phase", "rad", 0.0, -2 * pi, 2 * pi, "phase of the sinusoid at t = 0"),
+        ("sine_gate_start", "s", 0.0, 0.0, None, "the sinusoid acts from this time on"),
+        ("sine_gate_period", "s", FOREVER, 1e-3, None, "and again after each such period"),
+        ("sine_gate_length", "s", FOREVER, 0.0, None, "each time for so long"),
+    ]
+
+
+CASE_1 = {
+    "V_command_step": 200.0, "h_command_step": 800.0,
+    **{f"{scale}_{key}": value for scale in SCALES
+       for key, value in (("sine", 0.4), ("sine_omega", 0.05 * pi))},                   # (68)
+}
+CASE_2 = {
+    "V_command_step": 333.33, "V_command_step_period": 100.0, "V_command_step_count": 3.0,
+    "h_command_square": 800.0, "h_command_square_period": 200.0,
+    **{f"{scale}_{key}": value for scale in SCALES
+       for key, value in (("sine", 0.4), ("sine_omega", 0.1 * pi), ("sine_gate_start", 50.0),
+                          ("sine_gate_period", 100.0), ("sine_gate_length", 50.0))},    # (69)
+}
+PRESETS = {"case1": CASE_1, "case2": CASE_2, "hold": {}}
+
+# name, causality, unit, start, min, max, nominal, description.
+VARIABLES = [
+    *((name, "output", unit, None, None, None, nominal, text) for name, unit, _, nominal, text in SIGNALS),
+    *((f"{name}_{key}", "parameter", key_unit, CASE_1.get(f"{name}_{key}", value), low, high, None, f"{name}: {text}")
+      for name, unit, base, _, _ in SIGNALS for key, key_unit, value, low, high, text in shape(base, unit)),
+]
+
+
+def start(m, u, p):
+    return []
+
+
+def advance(m, t, h, x, u, p, c):
+    return x
+
+
+def signal(m, t, value):
+    """One signal at time t; `value(key)` gives its parameters."""
+    t = t + EARLY
+    stairs = m.clip(m.floor((t - value("step_time")) / value("step_period")) + 1, 0.0, value("step_count"))
+    phase = t / value("square_period")
+    high = phase - m.floor(phase) < 0.5
+    since = t - value("sine_gate_start")
+    within = since - value("sine_gate_period") * m.floor(since / value("sine_gate_period"))
+    gate = m.both(since >= 0.0, within < value("sine_gate_length"))
+    wave = value("sine") * m.sin(value("sine_omega") * (t - EARLY) + value("sine_phase"))
+    return (value("base") + value("step") * stairs + m.where(high, value("square"), 0.0) + m.where(gate, wave, 0.0))
+
+
+def outputs(m, t, x, u, p):
+    return {name: signal(m, t, lambda key: getattr(p, f"{name}_{key}")) for name, *_ in SIGNALS}

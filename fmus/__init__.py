@@ -1,0 +1,1 @@
+"""Turns a model (equations and a table) into an FMU file."""
