@@ -42,7 +42,9 @@ def filter_transition(omega, zeta, h):
     return flat(exponential([[0, h], [-omega * omega * h, -2 * zeta * omega * h]]))
 
 
-def filter_step(transition, r, command):
-    """(67) over the step of `transition`, exact for a held command."""
-    deviation = apply(transition, [r[0] - command, r[1]])
-    return [deviation[0] + command, deviation[1]]
+def filter_step(transition, r, command_0, command_1, h, omega, zeta):
+    """(67) over h seconds, exact for a command that runs straight from command_0 to command_1."""
+    slope = (command_1 - command_0) / h
+    lag = 2 * zeta * slope / omega  # behind a ramp, r settles at [command - lag, slope]
+    deviation = apply(transition, [r[0] - command_0 + lag, r[1] - slope])
+    return [deviation[0] + command_1 - lag, deviation[1] + slope]

@@ -1,10 +1,11 @@
 """The paper's adaptive neural law, equations (17)-(57), as pure functions of state, inputs, parameters.
 
-State (18 numbers), in the order of `State`:
+State (19 numbers), in the order of `State`:
     V_ref[2], h_ref[2]   reference filters (67)
     V_integral, phi_1    velocity loop (19), (27)
     chi[4], chi_d[4]     differentiators (13) on the tracked angle and on gamma_d
     e_integral, phi_2    altitude loop (43), (57)
+    elevator[2]          structural filter on the elevator, where it is used
 and theta_trim, remembered from the start.
 """
 from collections import namedtuple
@@ -25,15 +26,16 @@ from .differentiator import (
 NODES = 20
 NOMINAL_VEHICLE = SimpleNamespace(**{name: value for name, _, value, _ in COEFFICIENTS})
 
-State = namedtuple("State", "V_ref h_ref V_integral phi_1 chi chi_d e_integral phi_2 theta_trim")
+State = namedtuple("State", "V_ref h_ref V_integral phi_1 chi chi_d e_integral phi_2 elevator theta_trim")
 
 
 def unpack(x):
-    return State(x[0:2], x[2:4], x[4], x[5], x[6:10], x[10:14], x[14], x[15], x[16])
+    return State(x[0:2], x[2:4], x[4], x[5], x[6:10], x[10:14], x[14], x[15], x[16:18], x[18])
 
 
 def pack(s):
-    return [*s.V_ref, *s.h_ref, s.V_integral, s.phi_1, *s.chi, *s.chi_d, s.e_integral, s.phi_2, s.theta_trim]
+    return [*s.V_ref, *s.h_ref, s.V_integral, s.phi_1, *s.chi, *s.chi_d, s.e_integral, s.phi_2,
+            *s.elevator, s.theta_trim]
 
 
 def activation(m, dimensions):
@@ -101,10 +103,17 @@ def altitude_law(m, s, u, p):
                         (p.direction * delta_0, p.net2_delta0_min, p.net2_delta0_max, p.net2_delta0_width)))
     network = 0.5 * E * s.phi_2 * hh                                                    # (56)
     wanted = p.direction * (delta_0 - network) / p.kh                                   # (49)
-    elevator = m.clip(wanted, p.elevator_min, p.elevator_max)
-    saturated = m.either(wanted < p.elevator_min, wanted > p.elevator_max)
-    return SimpleNamespace(gamma_d=gamma_d, e0=e0, E=E, network=network, elevator=elevator, saturated=saturated,
+    sent = m.where(p.elevator_bandwidth > 0, s.elevator[0], wanted)
+    elevator = m.clip(sent, p.elevator_min, p.elevator_max)
+    saturated = m.either(sent < p.elevator_min, sent > p.elevator_max)
+    return SimpleNamespace(gamma_d=gamma_d, e0=e0, E=E, network=network, wanted=wanted,
+                           elevator=elevator, saturated=saturated,
                            growth=0.5 * p.lambda_2 * E * E * hh)                        # (57)
+
+
+def filter_omega(m, p):
+    """The structural filter's bandwidth; where it is not used (0), any harmless one."""
+    return m.where(p.elevator_bandwidth > 0, p.elevator_bandwidth, 1.0)
 
 
 def start(m, u, p):
@@ -116,7 +125,7 @@ def start(m, u, p):
     theta_trim = m.where(p.solve_trim, trim.theta, p.theta_trim)
     rest = State(V_ref=[u.V, 0.0], h_ref=[u.h, 0.0], V_integral=-p.kV * fuel_ratio / p.kV2, phi_1=0.0,
                  chi=[0.0] * 4, chi_d=[gamma_command(m, u.h, u.V, [u.h, 0.0], p), 0.0, 0.0, 0.0],
-                 e_integral=0.0, phi_2=0.0, theta_trim=theta_trim)
+                 e_integral=0.0, phi_2=0.0, elevator=[elevator, 0.0], theta_trim=theta_trim)
     rest = rest._replace(chi=[tracked_angle(u, rest, p), 0.0, 0.0, 0.0])
     _, e0, e1, e2 = errors(m, rest, u, p)
     mu = p.mu
@@ -138,14 +147,17 @@ def derivative(m, x, u, p):
         chi_d=differentiator_rate(s.chi_d, altitude.gamma_d, p.R_d, a),
         e_integral=m.where(altitude.saturated, 0.0, altitude.e0),
         phi_2=altitude.growth - 2 * s.phi_2,
+        elevator=filter_rate(s.elevator, altitude.wanted, filter_omega(m, p), p.elevator_damping),
         theta_trim=0.0))
 
 
 def prepare(m, p, h):
-    """36 transition entries for steps of h: reference filter (4), differentiators on y (16), gamma_d (16)."""
+    """40 transition entries for steps of h: reference filter (4), differentiators on y (16) and gamma_d (16),
+    structural filter (4)."""
     a = (p.a1, p.a2, p.a3, p.a4)
     return [*filter_transition(p.reference_omega, p.reference_zeta, h),
-            *differentiator_transition(p.R, a, h), *differentiator_transition(p.R_d, a, h)]
+            *differentiator_transition(p.R, a, h), *differentiator_transition(p.R_d, a, h),
+            *filter_transition(filter_omega(m, p), p.elevator_damping, h)]
 
 
 def advance(m, t, h, x, u, p, c):
@@ -154,8 +166,8 @@ def advance(m, t, h, x, u, p, c):
     a = (p.a1, p.a2, p.a3, p.a4)
     velocity, altitude = velocity_law(m, s, u, p), altitude_law(m, s, u, p)
     y = tracked_angle(u, s, p)
-    V_ref = filter_step(c[0:4], s.V_ref, u.V_command)
-    h_ref = filter_step(c[0:4], s.h_ref, u.h_command)
+    V_ref = filter_step(c[0:4], s.V_ref, u.V_command, u.V_command, h, p.reference_omega, p.reference_zeta)
+    h_ref = filter_step(c[0:4], s.h_ref, u.h_command, u.h_command, h, p.reference_omega, p.reference_zeta)
     gamma_d = gamma_command(m, u.h, u.V, h_ref, p)
     new = State(
         V_ref=V_ref, h_ref=h_ref,
@@ -164,12 +176,14 @@ def advance(m, t, h, x, u, p, c):
         chi=differentiator_step(c[4:20], s.chi, y, y, h, p.R, a),
         chi_d=differentiator_step(c[20:36], s.chi_d, altitude.gamma_d, gamma_d, h, p.R_d, a),
         e_integral=s.e_integral + m.where(altitude.saturated, 0.0, h / 2 * (altitude.e0 + y - gamma_d)),
-        phi_2=s.phi_2, theta_trim=s.theta_trim)
+        phi_2=s.phi_2, elevator=s.elevator, theta_trim=s.theta_trim)
     decay = m.exp(-2 * h)
     later_velocity, later_altitude = velocity_law(m, new, u, p), altitude_law(m, new, u, p)
     return pack(new._replace(
         phi_1=decay * s.phi_1 + (1 - decay) / 4 * (velocity.growth + later_velocity.growth),
-        phi_2=decay * s.phi_2 + (1 - decay) / 4 * (altitude.growth + later_altitude.growth)))
+        phi_2=decay * s.phi_2 + (1 - decay) / 4 * (altitude.growth + later_altitude.growth),
+        elevator=filter_step(c[36:40], s.elevator, altitude.wanted, later_altitude.wanted, h,
+                             filter_omega(m, p), p.elevator_damping)))
 
 
 def outputs(m, t, x, u, p):

@@ -13,12 +13,12 @@ SMALL = 1e-6
 CALIBRATED = {
     "kV": 24.67, "kV1": 5.5, "kV2": 22.0, "k_gamma": 0.5, "kh": 0.136, "kh1": 10.0, "mu": 1.2,
     "direction": -1.0, "c_theta": -6.93e-4, "c_Q": 7.525e-3, "z3_from_pitch_rate": True, "pitch_rate_gain": 0.15,
-    "R": 60.0, "R_d": 10.0, "a1": 1.0, "a2": 4.0, "a3": 6.0, "a4": 4.0,
+    "R": 60.0, "R_d": 10.0, "a1": 1.0, "a2": 4.0, "a3": 6.0, "a4": 4.0, "elevator_bandwidth": 0.0,
 }
 PRINTED = {
     "kV": 0.9, "kV1": 0.2, "kV2": 0.8, "k_gamma": 2.0, "kh": 0.9, "kh1": 50.0, "mu": 7.0,
     "direction": 1.0, "c_theta": 0.0, "c_Q": 0.0, "z3_from_pitch_rate": False, "pitch_rate_gain": 0.0,
-    "R": 0.05, "R_d": 0.05, "a1": 0.5, "a2": 0.1, "a3": 0.5, "a4": 0.1,
+    "R": 0.05, "R_d": 0.05, "a1": 0.5, "a2": 0.1, "a3": 0.5, "a4": 0.1, "elevator_bandwidth": 0.0,
 }
 PRESETS = {"calibrated": CALIBRATED, "printed": PRINTED}
 
@@ -70,6 +70,7 @@ VARIABLES = [
         ("a2", "1", 0.0, 100.0, "differentiator coefficient a2 (13)"),
         ("a3", "1", 0.0, 100.0, "differentiator coefficient a3 (13)"),
         ("a4", "1", 0.0, 100.0, "differentiator coefficient a4 (13)"),
+        ("elevator_bandwidth", "rad/s", 0.0, 1000.0, "bandwidth of the structural filter on the elevator; 0 for none"),
     )),
     ("lambda_1", "parameter", "1", 0.05, 0.0, None, None, "adaptation gain lambda_1 (27)"),
     ("lambda_2", "parameter", "1", 0.05, 0.0, None, None, "adaptation gain lambda_2 (57)"),
@@ -87,10 +88,11 @@ VARIABLES = [
     ("fuel_ratio_max", "parameter", "1", 1.5, None, None, None, "upper limit of the fuel ratio"),
     ("elevator_min", "parameter", "rad", -20 * DEG, -90 * DEG, 90 * DEG, None, "lower limit of the elevator"),
     ("elevator_max", "parameter", "rad", 20 * DEG, -90 * DEG, 90 * DEG, None, "upper limit of the elevator"),
+    ("elevator_damping", "parameter", "1", 0.7, 0.0, 10.0, None, "damping ratio of the structural filter"),
     ("reference_omega", "parameter", "rad/s", 0.1, SMALL, 100.0, None, "natural frequency of the reference filters (67)"),
     ("reference_zeta", "parameter", "1", 0.9, 0.0, 10.0, None, "damping ratio of the reference filters (67)"),
     ("solve_trim", "parameter", "", True, None, None, None, "start at the nominal vehicle's trim for the measured V, h; else at *_trim below"),
-    ("fuel_ratio_trim", "parameter", "1", 0.267, 0.0, 2.0, None, "fuel ratio to start from, if not solved"),
+    ("fuel_ratio_trim", "parameter", "1", 0.26703, 0.0, 2.0, None, "fuel ratio to start from, if not solved"),
     ("elevator_trim", "parameter", "rad", 12.511 * DEG, -90 * DEG, 90 * DEG, None, "elevator to start from, if not solved"),
     ("theta_trim", "parameter", "rad", 1.6325 * DEG, -90 * DEG, 90 * DEG, None, "pitch angle of the trim, if not solved"),
     ("internal_step", "parameter", "s", 0.005, 1e-5, 0.1, None, "longest internal step"),

@@ -19,8 +19,8 @@ DEG = pi / 180
 # name, causality, unit, start, min, max, nominal, description.
 # The range of an output is where the model is valid: outside it the step is refused.
 VARIABLES = [
-    ("fuel_ratio", "input", "1", 0.267, None, None, 1.0, "fuel equivalence ratio Phi"),
-    ("elevator", "input", "rad", 0.2184, None, None, 0.1, "elevator deflection"),
+    ("fuel_ratio", "input", "1", 0.26703, None, None, 1.0, "fuel equivalence ratio Phi"),
+    ("elevator", "input", "rad", 12.511 * DEG, None, None, 0.1, "elevator deflection"),
     ("scale_thrust", "input", "1", 1.0, None, None, 1.0, "factor on all thrust coefficients"),
     ("scale_lift", "input", "1", 1.0, None, None, 1.0, "factor on all lift coefficients"),
     ("scale_drag", "input", "1", 1.0, None, None, 1.0, "factor on all drag coefficients"),
