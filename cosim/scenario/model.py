@@ -42,25 +42,28 @@ def shape(base, unit):
     ]
 
 
+HOLD = {f"{name}_{key}": value for name, unit, base, *_ in SIGNALS for key, _, value, *_ in shape(base, unit)}
 CASE_1 = {
+    **HOLD,
     "V_command_step": 200.0, "h_command_step": 800.0,
     **{f"{scale}_{key}": value for scale in SCALES
        for key, value in (("sine", 0.4), ("sine_omega", 0.05 * pi))},                   # (68)
 }
 CASE_2 = {
+    **HOLD,
     "V_command_step": 333.33, "V_command_step_period": 100.0, "V_command_step_count": 3.0,
     "h_command_square": 800.0, "h_command_square_period": 200.0,
     **{f"{scale}_{key}": value for scale in SCALES
        for key, value in (("sine", 0.4), ("sine_omega", 0.1 * pi), ("sine_gate_start", 50.0),
                           ("sine_gate_period", 100.0), ("sine_gate_length", 50.0))},    # (69)
 }
-PRESETS = {"case1": CASE_1, "case2": CASE_2, "hold": {}}
+PRESETS = {"case1": CASE_1, "case2": CASE_2, "hold": HOLD}
 
 # name, causality, unit, start, min, max, nominal, description.
 VARIABLES = [
     *((name, "output", unit, None, None, None, nominal, text) for name, unit, _, nominal, text in SIGNALS),
-    *((f"{name}_{key}", "parameter", key_unit, CASE_1.get(f"{name}_{key}", value), low, high, None, f"{name}: {text}")
-      for name, unit, base, _, _ in SIGNALS for key, key_unit, value, low, high, text in shape(base, unit)),
+    *((f"{name}_{key}", "parameter", key_unit, CASE_1[f"{name}_{key}"], low, high, None, f"{name}: {text}")
+      for name, unit, base, _, _ in SIGNALS for key, key_unit, _, low, high, text in shape(base, unit)),
 ]
 
 

@@ -1,0 +1,81 @@
+"""A model as a pythonfmu FMU: its sources, a generic slave, pythonfmu's binaries."""
+import ast
+import re
+from pathlib import Path
+from types import ModuleType
+
+import pythonfmu
+
+from .archive import digest
+from .description import Flavour
+
+ROOT = Path(__file__).parent.parent
+PYTHONFMU = Path(pythonfmu.__file__).parent
+CAPABILITIES = {
+    "needsExecutionTool": "true", "canGetAndSetFMUstate": "true", "canSerializeFMUstate": "true",
+    "canNotUseMemoryManagementFunctions": "true",
+}
+FLAVOUR = Flavour(CAPABILITIES)
+RUNTIME = ("fmus/slave.py", "fmus/interface.py", "fmus/floats.py")
+
+
+def rooms(package: Path) -> set[Path]:
+    """`package` and every package of this project that its modules import, directly or not."""
+    found: set[Path] = set()
+    waiting = [package]
+    while waiting:
+        room = waiting.pop()
+        if room in found:
+            continue
+        found.add(room)
+        for source in room.glob("*.py"):
+            for node in ast.walk(ast.parse(source.read_text())):
+                if isinstance(node, ast.ImportFrom) and node.level == 0 and node.module:
+                    imported = ROOT.joinpath(*node.module.split("."))
+                    waiting += [d for d in (imported, imported.parent) if (d / "__init__.py").exists() and d != ROOT]
+    return found
+
+
+def own_names(source: str, package: str, tops: set[str]) -> str:
+    """`source` with its absolute imports of this project moved below `package`."""
+    return re.sub(rf"^(\s*from )({'|'.join(sorted(tops))})\b", rf"\1{package}.\2", source, flags=re.MULTILINE)
+
+
+def resources(model: ModuleType) -> dict[str, bytes]:
+    """Everything below resources/ of the FMU.
+
+    All FMUs of a process share sys.modules, so each build's modules live in a package whose name carries
+    a hash of their content: two different builds never run each other's code.
+    """
+    assert model.__file__
+    sources = [path for room in rooms(Path(model.__file__).parent) for path in sorted(room.glob("*.py"))]
+    sources += [ROOT / name for name in RUNTIME]
+    texts = {path.relative_to(ROOT).as_posix(): path.read_text() for path in sources}
+    package = f"{model.NAME}_{digest({name: text.encode() for name, text in texts.items()})[:12]}"
+    tops = {name.split("/")[0] for name in texts}
+
+    files = {f"{package}/{name}": own_names(text, package, tops) for name, text in texts.items()}
+    for name in list(files):
+        for parent in list(Path(name).parents)[:-1]:
+            files.setdefault(f"{parent.as_posix()}/__init__.py", "")
+    where, _, module = model.__name__.rpartition(".")
+    files[f"{package}_slave.py"] = (
+        f"from {package}.fmus.slave import ModelSlave\n"
+        f"from {package}.{where} import {module} as the_model\n\n\n"
+        f"class {model.NAME}(ModelSlave):\n"
+        f"    model = the_model\n")
+    files["slavemodule.txt"] = f"{package}_slave\n"
+    for source in PYTHONFMU.glob("*.py"):
+        files[f"pythonfmu/{source.name}"] = source.read_text()
+    return {f"resources/{name}": text.encode() for name, text in files.items()}
+
+
+def binaries(model: ModuleType) -> dict[str, bytes]:
+    folder = PYTHONFMU / "resources" / "binaries"
+    return {f"binaries/{path.parent.name}/{model.NAME}{path.suffix}": path.read_bytes()
+            for path in folder.rglob("*") if path.suffix in (".so", ".dll", ".dylib")}
+
+
+def files(model: ModuleType) -> dict[str, bytes]:
+    """The FMU's archive without its modelDescription.xml."""
+    return {**resources(model), **binaries(model)}
