@@ -18,6 +18,21 @@ CAPABILITIES = {
 FLAVOUR = Flavour(CAPABILITIES)
 RUNTIME = ("fmus/slave.py", "fmus/interface.py", "fmus/floats.py")
 
+# pythonfmu's loader runs this text once more for every instance, and each time drops one reference too many
+# of the module's globals; a module without functions of its own would lose them at once, any other in time.
+SLAVE = """\
+import ctypes
+
+from {package}.fmus.slave import ModelSlave
+from {package}.{where} import {module} as the_model
+
+ctypes.pythonapi.Py_IncRef(ctypes.py_object(globals()))
+
+
+class {name}(ModelSlave):
+    model = the_model
+"""
+
 
 def rooms(package: Path) -> set[Path]:
     """`package` and every package of this project that its modules import, directly or not."""
@@ -59,11 +74,7 @@ def resources(model: ModuleType) -> dict[str, bytes]:
         for parent in list(Path(name).parents)[:-1]:
             files.setdefault(f"{parent.as_posix()}/__init__.py", "")
     where, _, module = model.__name__.rpartition(".")
-    files[f"{package}_slave.py"] = (
-        f"from {package}.fmus.slave import ModelSlave\n"
-        f"from {package}.{where} import {module} as the_model\n\n\n"
-        f"class {model.NAME}(ModelSlave):\n"
-        f"    model = the_model\n")
+    files[f"{package}_slave.py"] = SLAVE.format(package=package, where=where, module=module, name=model.NAME)
     files["slavemodule.txt"] = f"{package}_slave\n"
     for source in PYTHONFMU.glob("*.py"):
         files[f"pythonfmu/{source.name}"] = source.read_text()

@@ -1,0 +1,191 @@
+"""The command line `ahv`: words and JSON keys are a contract, see the README."""
+import json
+import sys
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from .errors import RunError, UsageError
+from .system import Component, System, Value, closed_loop
+
+app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False,
+                  help="An air-breathing hypersonic vehicle and its controllers as FMUs, and a master that flies them.")
+
+DIST = Path(__file__).parent.parent / "fmus" / "dist"
+CONTROLLERS = {"neural": "AhvController"}
+FLAVOURS = ("python",)
+
+Json = Annotated[bool, typer.Option("--json", help="One JSON object on stdout.")]
+Set = Annotated[list[str], typer.Option("--set", metavar="COMPONENT.VARIABLE=VALUE", help="May be repeated.")]
+
+
+def main() -> None:
+    """Entry point: errors become one sentence on stderr and an exit status, 1 (run) or 2 (use)."""
+    try:
+        app()
+    except UsageError as error:
+        sys.exit(complain(error, 2))
+    except RunError as error:
+        sys.exit(complain(error, 1))
+
+
+def complain(error: object, status: int) -> int:
+    print(f"ahv: {error}", file=sys.stderr)
+    return status
+
+
+def choice(option: str, value: str, allowed: Any) -> str:
+    if value not in allowed:
+        raise UsageError(f"--{option} {value} is not known; there are {', '.join(allowed)}.")
+    return value
+
+
+def fmu_path(flavour: str, model: str) -> Path:
+    return DIST / choice("flavour", flavour, FLAVOURS) / f"{model}.fmu"
+
+
+def assignments(words: list[str]) -> dict[str, dict[str, Value]]:
+    """--set words as component -> variable -> value."""
+    result: dict[str, dict[str, Value]] = {}
+    for word in words:
+        target, equals, value = word.partition("=")
+        component, dot, variable = target.partition(".")
+        if not (equals and dot and variable):
+            raise UsageError(f"--set {word} is not of the form COMPONENT.VARIABLE=VALUE.")
+        result.setdefault(component, {})[variable] = value
+    return result
+
+
+def assemble(fmus: dict[str, Path], presets: dict[str, str], values: dict[str, dict[str, Value]]) -> System:
+    """The closed loop with presets, then values, applied."""
+    from .fmu import FmuFile
+
+    components = {}
+    for name, path in fmus.items():
+        component = Component(name, path)
+        if name in presets:
+            file = FmuFile.open(path)
+            try:
+                component = component.with_values(file.preset(presets[name]))
+            finally:
+                file.close()
+        components[name] = component.with_values(values.get(name, {}))
+    for name in {*presets, *values} - set(components):
+        raise UsageError(f"There is no component {name}; there are {', '.join(components)}.")
+    return closed_loop(components["scenario"], components["controller"], components["plant"])
+
+
+@app.command()
+def build(flavour: Annotated[str, typer.Option(help="python, native or all.")] = "all") -> None:
+    """Write the FMU files to fmus/dist/FLAVOUR/."""
+    from fmus.build import FLAVOURS as known
+    from fmus.build import build_all
+
+    for path in build_all(list(known) if flavour == "all" else [choice("flavour", flavour, [*known, "all"])]):
+        print(path, file=sys.stderr)
+
+
+@app.command()
+def run(
+    scenario: Annotated[str, typer.Argument(help="case1, case2, hold, or a YAML file.")],
+    controller: Annotated[str, typer.Option(help="neural")] = "neural",
+    preset: Annotated[str, typer.Option(help="Of the controller; COMPONENT=NAME,... for others too.")] = "calibrated",
+    flavour: Annotated[str, typer.Option(help="python or native.")] = "python",
+    step: Annotated[float, typer.Option(help="Communication step, s.")] = 0.01,
+    stop: Annotated[float | None, typer.Option(help="End, s; else the scenario's.")] = None,
+    algorithm: Annotated[str, typer.Option(help="gauss-seidel or jacobi.")] = "gauss-seidel",
+    set_: Set = [],  # noqa: B006  (typer wants a list)
+    decimate: Annotated[int, typer.Option(help="Write every N-th tick.", min=1)] = 1,
+    out: Annotated[Path | None, typer.Option(help="Folder; else results/SCENARIO.")] = None,
+    as_json: Json = False,
+) -> None:
+    """Fly a scenario and write signals, run.json and figures."""
+    from . import scenarios
+    from .flight import fly, progress_bar
+    from .metrics import metrics
+    from .results import prepare_folder, write
+
+    plan = scenarios.load(scenario)
+    fmus = {"scenario": fmu_path(flavour, "AhvScenario"),
+            "controller": fmu_path(flavour, CONTROLLERS[choice("controller", controller, CONTROLLERS)]),
+            "plant": fmu_path(flavour, "AhvPlant")}
+    presets = {**plan.presets, **chosen_presets(preset)}
+    values = assignments([f"{name}={value}" for name, value in plan.set.items()])
+    for component, given in assignments(set_).items():
+        values.setdefault(component, {}).update(given)
+    system = assemble(fmus, presets, values)
+    folder = out or Path("results") / plan.name
+    prepare_folder(folder)
+
+    end = plan.stop if stop is None else stop
+    bar, progress = progress_bar(f"{plan.name}", end)
+    with bar:
+        flight = fly(system, step, end, algorithm, progress)
+    ticks = len(flight.time) - 1
+    summary = {
+        "scenario": plan.name, "controller": controller, "preset": presets["controller"], "flavour": flavour,
+        "algorithm": algorithm, "step_s": step, "stop_s": end, "ticks": ticks, "finished": flight.finished,
+        "departed_at_s": None if flight.finished else float(flight.time[-1]),
+        **metrics(flight),
+        "real_time_factor": float(flight.time[-1]) / flight.wall_s if ticks else 0.0, "out": str(folder),
+    }
+    write(folder, flight, summary, decimate)
+    from .figures import write as write_figures  # matplotlib takes its time
+
+    write_figures(folder, flight, f"{plan.name}, {controller} ({presets['controller']})", plan.first_figure)
+    report(summary, as_json)
+    if not flight.finished:
+        raise RunError(flight.message)
+
+
+def chosen_presets(word: str) -> dict[str, str]:
+    """--preset: a controller preset, or COMPONENT=NAME pairs separated by commas."""
+    pairs = [part.rpartition("=") for part in word.split(",")]
+    presets = {component or "controller": name for component, _, name in pairs}
+    return {"controller": "calibrated", **presets}
+
+
+def report(summary: dict[str, Any], as_json: bool) -> None:
+    if as_json:
+        print(json.dumps(summary))
+        return
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table(show_header=False)
+    for key, value in summary.items():
+        if isinstance(value, dict):
+            value = ", ".join(f"{k} {v:.4g}" for k, v in value.items())
+        table.add_row(key, f"{value:.4g}" if isinstance(value, float) else str(value))
+    Console().print(table)
+
+
+@app.command()
+def trim(
+    V: Annotated[float, typer.Option("--V", help="Velocity, ft/s.")] = 7700.0,
+    h: Annotated[float, typer.Option("--h", help="Altitude, ft.")] = 85000.0,
+    flavour: Annotated[str, typer.Option(help="python or native.")] = "python",
+    as_json: Json = False,
+) -> None:
+    """Level flight as the plant FMU solves it."""
+    from math import degrees
+
+    from .fmu import FmuFile, Instance
+
+    file = FmuFile.open(fmu_path(flavour, "AhvPlant"))
+    instance = None
+    try:
+        values = {name: file.checked(name, value, "plant") for name, value in (("V_start", V), ("h_start", h))}
+        instance = Instance(file, "plant")
+        instance.set(values)
+        instance.setup(0.0, 1.0)
+        instance.simple("fmi2EnterInitializationMode")
+        names = ("theta_trim", "eta1", "eta2", "fuel_ratio_trim", "elevator_trim", "trim_residual")
+        theta, eta1, eta2, fuel_ratio, elevator, residual = instance.get(names)
+    finally:
+        if instance:
+            instance.close()
+        file.close()
+    report({"V_fps": V, "h_ft": h, "theta_deg": degrees(theta), "eta1": eta1, "eta2": eta2,
+            "fuel_ratio": fuel_ratio, "elevator_deg": degrees(elevator), "residual": residual}, as_json)

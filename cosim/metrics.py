@@ -1,0 +1,28 @@
+"""The figures of a flight: how well it tracked, and what that took."""
+from typing import Any
+
+import numpy as np
+
+from .flight import Flight
+
+
+def error(values: np.ndarray) -> dict[str, float]:
+    """Largest magnitude and root mean square."""
+    return {"max_abs": float(np.max(np.abs(values))), "rms": float(np.sqrt(np.mean(values**2)))}
+
+
+def metrics(flight: Flight) -> dict[str, Any]:
+    """Tracking errors (plant minus the controller's reference, at the same time), inputs, estimates."""
+    elevator = np.degrees(flight["controller.elevator"])
+    fuel_ratio = flight["controller.fuel_ratio"]
+    result: dict[str, Any] = {
+        "altitude_error_ft": error(flight["plant.h"] - flight["controller.h_reference"]),
+        "velocity_error_fps": error(flight["plant.V"] - flight["controller.V_reference"]),
+        "elevator_deg": {"min": float(elevator.min()), "max": float(elevator.max()),
+                         "travel": float(np.abs(np.diff(elevator)).sum())},
+        "fuel_ratio": {"min": float(fuel_ratio.min()), "max": float(fuel_ratio.max())},
+    }
+    if flight.has("controller.phi_hat_1"):
+        result["phi_hat"] = {"velocity_max": float(flight["controller.phi_hat_1"].max()),
+                             "altitude_max": float(flight["controller.phi_hat_2"].max())}
+    return result
