@@ -1,4 +1,5 @@
 """Exact steps of small linear systems: the matrix exponential, on any mathematics backend."""
+from operator import mul
 
 SQUARINGS = 10
 TERMS = 14
@@ -6,7 +7,7 @@ TERMS = 14
 
 def product(a, b):
     columns = list(zip(*b))
-    return [[sum(x * y for x, y in zip(row, column)) for column in columns] for row in a]
+    return [[sum(map(mul, row, column)) for column in columns] for row in a]
 
 
 def exponential(a):
@@ -29,4 +30,4 @@ def exponential(a):
 def apply(matrix, vector):
     """matrix @ vector, with the matrix as a flat row-major sequence."""
     n = len(vector)
-    return [sum(matrix[i * n + j] * vector[j] for j in range(n)) for i in range(n)]
+    return [sum(map(mul, matrix[i:i + n], vector)) for i in range(0, n * n, n)]

@@ -33,9 +33,9 @@ VARIABLES = [
     ("theta", "output", "rad", None, -pi / 2, pi / 2, 0.01, "pitch angle"),
     ("Q", "output", "rad/s", None, None, None, 0.01, "pitch rate"),
     ("eta1", "output", MODAL, None, None, None, 1.0, "elastic coordinate of mode 1"),
-    ("eta1_dot", "output", MODAL + "/s", None, None, None, 1.0, "rate of eta1"),
+    ("eta1_dot", "output", MODAL + "/s", None, None, None, 20.0, "rate of eta1"),
     ("eta2", "output", MODAL, None, None, None, 1.0, "elastic coordinate of mode 2"),
-    ("eta2_dot", "output", MODAL + "/s", None, None, None, 1.0, "rate of eta2"),
+    ("eta2_dot", "output", MODAL + "/s", None, None, None, 20.0, "rate of eta2"),
     ("alpha", "output", "rad", None, None, None, 0.01, "angle of attack, theta - gamma"),
     ("dynamic_pressure", "output", "lbf/ft2", None, None, None, 1000.0, "dynamic pressure"),
     ("thrust", "output", "lbf/ft", None, None, None, 1000.0, "thrust per foot of depth"),
@@ -58,7 +58,7 @@ VARIABLES = [
     ("eta1_dot_start", "parameter", MODAL + "/s", 0.0, -1000.0, 1000.0, None, "initial eta1_dot, if not at trim"),
     ("eta2_start", "parameter", MODAL, 0.0, -100.0, 100.0, None, "initial eta2, if not at trim"),
     ("eta2_dot_start", "parameter", MODAL + "/s", 0.0, -1000.0, 1000.0, None, "initial eta2_dot, if not at trim"),
-    ("internal_step", "parameter", "s", 0.001, 1e-6, 0.02, None, "longest internal Runge-Kutta step"),
+    ("internal_step", "parameter", "s", 0.004, 1e-6, 0.02, None, "longest internal Runge-Kutta step"),
     *((name, "parameter", unit, value, *((1e-3 * value, 1e3 * value) if name in
        ("mass", "pitch_inertia", "reference_area", "chord", "gravity", "air_density_0", "h_scale", "omega_1", "omega_2")
        else (None, None)), None, text) for name, unit, value, text in COEFFICIENTS),
@@ -68,6 +68,18 @@ PRESETS = STRUCTURES
 
 SHOWN_STATES = ("V", "h", "gamma", "theta", "Q", "eta1", "eta1_dot", "eta2", "eta2_dot")
 MEMORY = ("fuel_ratio_trim", "elevator_trim", "theta_trim", "trim_residual")
+
+# Butcher's explicit method of order six in seven stages (J. Austral. Math. Soc. 4, 1964).
+STAGES = (
+    (),
+    (1 / 3,),
+    (0, 2 / 3),
+    (1 / 12, 1 / 3, -1 / 12),
+    (-1 / 16, 9 / 8, -3 / 16, -3 / 8),
+    (0, 9 / 8, -3 / 8, -3 / 4, 1 / 2),
+    (9 / 44, -9 / 11, 63 / 44, 18 / 11, 0, -16 / 11),
+)
+WEIGHTS = (11 / 120, 0, 27 / 40, 27 / 40, -4 / 15, -4 / 15, 11 / 120)
 
 
 def scales(u):
@@ -89,19 +101,22 @@ def start(m, u, p):
 
 
 def advance(m, t, h, x, u, p, c):
-    """One classical Runge-Kutta step of h seconds with the inputs held."""
+    """One Runge-Kutta step of h seconds, order six, with the inputs held."""
     scale = scales(u)
-    x0, memory = x[:9], x[9:]
+    states, memory = x[:9], x[9:]
+    slopes = []
+    for weights in STAGES:
+        slopes.append(derivative(m, moved(states, h, weights, slopes), u.fuel_ratio, u.elevator, scale, p))
+    return moved(states, h, WEIGHTS, slopes) + memory
 
-    def rate(x):
-        return derivative(m, x, u.fuel_ratio, u.elevator, scale, p)
 
-    k1 = rate(x0)
-    k2 = rate([a + h / 2 * k for a, k in zip(x0, k1)])
-    k3 = rate([a + h / 2 * k for a, k in zip(x0, k2)])
-    k4 = rate([a + h * k for a, k in zip(x0, k3)])
-    return [a + h / 6 * (ka + 2 * (kb + kc) + kd)
-            for a, ka, kb, kc, kd in zip(x0, k1, k2, k3, k4)] + memory
+def moved(x, h, weights, slopes):
+    """x + h sum(weight * slope), leaving out the slopes of no weight."""
+    for weight, slope in zip(weights, slopes):
+        if weight:
+            factor = h * weight
+            x = [a + factor * k for a, k in zip(x, slope)]
+    return x
 
 
 def outputs(m, t, x, u, p):

@@ -4,6 +4,7 @@ Every signal is base + staircase + square + gated sinusoid; its numbers are para
 the paper is a set of them.
 """
 from math import pi
+from operator import attrgetter
 
 NAME = "AhvScenario"
 DESCRIPTION = "Commands and coefficient scales of a flight: the paper's Case 1, Case 2, hold, or one's own"
@@ -75,18 +76,24 @@ def advance(m, t, h, x, u, p, c):
     return x
 
 
-def signal(m, t, value):
-    """One signal at time t; `value(key)` gives its parameters."""
-    t = t + EARLY
-    stairs = m.clip(m.floor((t - value("step_time")) / value("step_period")) + 1, 0.0, value("step_count"))
-    phase = t / value("square_period")
-    high = phase - m.floor(phase) < 0.5
-    since = t - value("sine_gate_start")
-    within = since - value("sine_gate_period") * m.floor(since / value("sine_gate_period"))
-    gate = m.both(since >= 0.0, within < value("sine_gate_length"))
-    wave = value("sine") * m.sin(value("sine_omega") * (t - EARLY) + value("sine_phase"))
-    return (value("base") + value("step") * stairs + m.where(high, value("square"), 0.0) + m.where(gate, wave, 0.0))
+PARAMETERS_OF = {name: attrgetter(*(f"{name}_{key}" for key, *_ in shape(base, unit)))
+                 for name, unit, base, *_ in SIGNALS}
+
+
+def signal(m, t, parameters):
+    """One signal at time t from its parameters in the order of `shape`."""
+    (base, step, step_time, step_period, step_count, square, square_period,
+     sine, omega, phase, gate_start, gate_period, gate_length) = parameters
+    clock = t + EARLY
+    stairs = m.clip(m.floor((clock - step_time) / step_period) + 1, 0.0, step_count)
+    periods = clock / square_period
+    high = periods - m.floor(periods) < 0.5
+    since = clock - gate_start
+    within = since - gate_period * m.floor(since / gate_period)
+    open_gate = m.both(since >= 0.0, within < gate_length)
+    return (base + step * stairs + m.where(high, square, 0.0)
+            + m.where(open_gate, sine * m.sin(omega * t + phase), 0.0))
 
 
 def outputs(m, t, x, u, p):
-    return {name: signal(m, t, lambda key: getattr(p, f"{name}_{key}")) for name, *_ in SIGNALS}
+    return {name: signal(m, t, parameters(p)) for name, parameters in PARAMETERS_OF.items()}
