@@ -8,6 +8,7 @@ import pythonfmu
 
 from .archive import digest
 from .description import Flavour
+from .trace import Trace
 
 ROOT = Path(__file__).parent.parent
 PYTHONFMU = Path(pythonfmu.__file__).parent
@@ -81,12 +82,13 @@ def resources(model: ModuleType) -> dict[str, bytes]:
     return {f"resources/{name}": text.encode() for name, text in files.items()}
 
 
-def binaries(model: ModuleType) -> dict[str, bytes]:
+def files(model: ModuleType, trace: Trace) -> dict[str, bytes]:
+    """What the FMU is made of, but for its binaries."""
+    return resources(model)
+
+
+def binaries(model: ModuleType, files: dict[str, bytes], guid: str) -> dict[str, bytes]:
+    """pythonfmu's, the same for every model."""
     folder = PYTHONFMU / "resources" / "binaries"
     return {f"binaries/{path.parent.name}/{model.NAME}{path.suffix}": path.read_bytes()
             for path in folder.rglob("*") if path.suffix in (".so", ".dll", ".dylib")}
-
-
-def files(model: ModuleType) -> dict[str, bytes]:
-    """The FMU's archive without its modelDescription.xml."""
-    return {**resources(model), **binaries(model)}

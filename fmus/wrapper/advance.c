@@ -1,0 +1,91 @@
+/* The model's functions on an instance. */
+
+#define ROUNDING 1e-9 /* of a step: 10 ms in steps of 1 ms are 10, not 11 */
+#define MOST_INTERNAL_STEPS 1e7
+
+/* Why no step can be taken from the inputs as they are, written to `reason`; or 0. */
+static int input_refused(char reason[SENTENCE], const State *s)
+{
+    for (int i = 0; i < NU; i++)
+        if (s->refused[i] != 0)
+            return out_of_range(reason, &TABLE[INPUTS[i]], s->refused[i]);
+    return 0;
+}
+
+/* Why the model cannot stand where next_x (at `x`) and next_y would put it, written to `reason`; or 0. */
+static int not_acceptable(char reason[SENTENCE], const double *x, const double *y)
+{
+    int good = 1;
+    for (int i = 0; i < NY; i++)
+        good &= y[i] >= Y_MINIMUM[i] && y[i] <= Y_MAXIMUM[i];
+    for (int i = 0; i < NX; i++)
+        good &= x[i] >= -DBL_MAX && x[i] <= DBL_MAX;
+    if (good)
+        return 0;
+    for (int i = 0; i < NY; i++)
+        if (!isfinite(y[i]))
+            return out_of_range(reason, &TABLE[COMPUTED[i]], y[i]);
+    for (int i = 0; i < NX; i++)
+        if (!isfinite(x[i])) {
+            strcpy(reason, "an internal state is not a finite number");
+            return 1;
+        }
+    for (int i = 0; i < NY; i++)
+        if (out_of_range(reason, &TABLE[COMPUTED[i]], y[i]))
+            return 1;
+    return 0;
+}
+
+static void take(State *s, const double *x, const double *y, double time)
+{
+    memcpy(s->x, x, NX * sizeof *x);
+    memcpy(s->y, y, NY * sizeof *y);
+    s->time = time;
+}
+
+/* The state and outputs that the inputs and parameters set so far lead to. */
+static fmi2Status initialise(Instance *instance)
+{
+    State *s = &instance->state;
+    char reason[SENTENCE];
+    double *x = instance->next_x[0], *y = instance->next_y;
+    if (!s->stale)
+        return fmi2OK;
+    model_start((const double *[]){s->u, s->p}, (double *[]){x});
+    model_outputs((const double *[]){&s->time, x, s->u, s->p}, (double *[]){y});
+    if (not_acceptable(reason, x, y))
+        return refuse(instance, fmi2Error, MODEL_NAME " cannot start: %s", reason);
+    take(s, x, y, s->time);
+    s->stale = 0;
+    s->step = 0;
+    return fmi2OK;
+}
+
+/* Number and length of internal steps, and the numbers that depend on them; returns 0 if they are too many. */
+static int prepare(State *s, double step)
+{
+    double count = fmax(1, ceil(step / INTERNAL_STEP(s->p) - ROUNDING));
+    if (count > MOST_INTERNAL_STEPS)
+        return 0;
+    s->count = count;
+    s->h = step / count;
+    model_prepare((const double *[]){s->p, &s->h}, (double *[]){s->c});
+    s->step = step;
+    return 1;
+}
+
+/* `step` seconds on from `time` with the inputs held, into next_y and the state that is returned. */
+static const double *advance(Instance *instance, double time, double step)
+{
+    const State *s = &instance->state;
+    const double *x = s->x;
+    const double end = time + step;
+    const int count = (int)s->count;
+    for (int i = 0; i < count; i++) {
+        double t = time + i * s->h;
+        model_advance((const double *[]){&t, &s->h, x, s->u, s->p, s->c}, (double *[]){instance->next_x[i & 1]});
+        x = instance->next_x[i & 1];
+    }
+    model_outputs((const double *[]){&end, x, s->u, s->p}, (double *[]){instance->next_y});
+    return x;
+}
