@@ -91,6 +91,12 @@ def errors(m, s, u, p):
     return gamma_d, e0, z2 - s.chi_d[1], z3 - s.chi_d[2]
 
 
+def elevator_wanted(delta_0, E, hh, phi_2, p):
+    """(56), (49): the network's signal and the elevator before filter and limits."""
+    network = 0.5 * E * phi_2 * hh                                                      # (56)
+    return network, p.direction * (delta_0 - network) / p.kh                            # (49)
+
+
 def altitude_law(m, s, u, p):
     """(36), (43)-(57): a namespace with the elevator and all that led to it."""
     mu = p.mu
@@ -101,12 +107,11 @@ def altitude_law(m, s, u, p):
                         (u.theta, p.net2_theta_min, p.net2_theta_max, p.net2_theta_width),
                         (u.Q, p.net2_Q_min, p.net2_Q_max, p.net2_Q_width),
                         (p.direction * delta_0, p.net2_delta0_min, p.net2_delta0_max, p.net2_delta0_width)))
-    network = 0.5 * E * s.phi_2 * hh                                                    # (56)
-    wanted = p.direction * (delta_0 - network) / p.kh                                   # (49)
+    network, wanted = elevator_wanted(delta_0, E, hh, s.phi_2, p)
     sent = m.where(p.elevator_bandwidth > 0, s.elevator[0], wanted)
     elevator = m.clip(sent, p.elevator_min, p.elevator_max)
     saturated = m.either(sent < p.elevator_min, sent > p.elevator_max)
-    return SimpleNamespace(gamma_d=gamma_d, e0=e0, E=E, network=network, wanted=wanted,
+    return SimpleNamespace(gamma_d=gamma_d, e0=e0, E=E, delta_0=delta_0, hh=hh, network=network, wanted=wanted,
                            elevator=elevator, saturated=saturated,
                            growth=0.5 * p.lambda_2 * E * E * hh)                        # (57)
 
@@ -179,11 +184,11 @@ def advance(m, t, h, x, u, p, c):
         phi_2=s.phi_2, elevator=s.elevator, theta_trim=s.theta_trim)
     decay = m.exp(-2 * h)
     later_velocity, later_altitude = velocity_law(m, new, u, p), altitude_law(m, new, u, p)
-    return pack(new._replace(
-        phi_1=decay * s.phi_1 + (1 - decay) / 4 * (velocity.growth + later_velocity.growth),
-        phi_2=decay * s.phi_2 + (1 - decay) / 4 * (altitude.growth + later_altitude.growth),
-        elevator=filter_step(c[36:40], s.elevator, altitude.wanted, later_altitude.wanted, h,
-                             filter_omega(m, p), p.elevator_damping)))
+    phi_1 = decay * s.phi_1 + (1 - decay) / 4 * (velocity.growth + later_velocity.growth)
+    phi_2 = decay * s.phi_2 + (1 - decay) / 4 * (altitude.growth + later_altitude.growth)
+    _, wanted = elevator_wanted(later_altitude.delta_0, later_altitude.E, later_altitude.hh, phi_2, p)
+    elevator = filter_step(c[36:40], s.elevator, altitude.wanted, wanted, h, filter_omega(m, p), p.elevator_damping)
+    return pack(new._replace(phi_1=phi_1, phi_2=phi_2, elevator=elevator))
 
 
 def outputs(m, t, x, u, p):

@@ -21,11 +21,11 @@ DEG = pi / 180
 VARIABLES = [
     ("fuel_ratio", "input", "1", 0.26703, None, None, 1.0, "fuel equivalence ratio Phi"),
     ("elevator", "input", "rad", 12.511 * DEG, None, None, 0.1, "elevator deflection"),
-    ("scale_thrust", "input", "1", 1.0, None, None, 1.0, "factor on all thrust coefficients"),
-    ("scale_lift", "input", "1", 1.0, None, None, 1.0, "factor on all lift coefficients"),
-    ("scale_drag", "input", "1", 1.0, None, None, 1.0, "factor on all drag coefficients"),
-    ("scale_moment", "input", "1", 1.0, None, None, 1.0, "factor on all pitching moment coefficients"),
-    ("scale_forces", "input", "1", 1.0, None, None, 1.0, "factor on all generalised force coefficients"),
+    ("scale_thrust", "input", "1", 1.0, None, None, 1.0, "factor on the thrust coefficients"),
+    ("scale_lift", "input", "1", 1.0, None, None, 1.0, "factor on the lift coefficients"),
+    ("scale_drag", "input", "1", 1.0, None, None, 1.0, "factor on the drag coefficients"),
+    ("scale_moment", "input", "1", 1.0, None, None, 1.0, "factor on the pitching moment coefficients"),
+    ("scale_forces", "input", "1", 1.0, None, None, 1.0, "factor on the generalised forces"),
 
     ("V", "output", "ft/s", None, 3000.0, 20000.0, 1000.0, "velocity"),
     ("h", "output", "ft", None, 20000.0, 250000.0, 1000.0, "altitude"),
@@ -44,13 +44,13 @@ VARIABLES = [
     ("pitching_moment", "output", "lbf", None, None, None, 10000.0, "pitching moment per foot of depth"),
     ("load_factor", "output", "1", None, None, None, 1.0, "(L + T sin alpha) / (m g)"),
     ("fuel_ratio_trim", "calculatedParameter", "1", None, None, None, 1.0, "fuel ratio of the trim at V_start, h_start"),
-    ("elevator_trim", "calculatedParameter", "rad", None, None, None, 0.1, "elevator of the trim at V_start, h_start"),
-    ("theta_trim", "calculatedParameter", "rad", None, None, None, 0.01, "pitch angle of the trim at V_start, h_start"),
+    ("elevator_trim", "calculatedParameter", "rad", None, None, None, 0.1, "elevator of that trim"),
+    ("theta_trim", "calculatedParameter", "rad", None, None, None, 0.01, "pitch angle of that trim"),
     ("trim_residual", "calculatedParameter", "1", None, None, None, 1.0, "largest state derivative left at the trim"),
 
     ("V_start", "parameter", "ft/s", 7700.0, 5000.0, 15000.0, None, "initial velocity"),
     ("h_start", "parameter", "ft", 85000.0, 50000.0, 150000.0, None, "initial altitude"),
-    ("start_at_trim", "parameter", "", True, None, None, None, "start in level trim at V_start, h_start; else at the *_start below"),
+    ("start_at_trim", "parameter", "", True, None, None, None, "start in level trim at V_start, h_start"),
     ("gamma_start", "parameter", "rad", 0.0, -80 * DEG, 80 * DEG, None, "initial flight-path angle, if not at trim"),
     ("theta_start", "parameter", "rad", 0.0, -80 * DEG, 80 * DEG, None, "initial pitch angle, if not at trim"),
     ("Q_start", "parameter", "rad/s", 0.0, -10.0, 10.0, None, "initial pitch rate, if not at trim"),
@@ -104,7 +104,7 @@ def advance(m, t, h, x, u, p, c):
     """One Runge-Kutta step of h seconds, order six, with the inputs held."""
     scale = scales(u)
     states, memory = x[:9], x[9:]
-    slopes = []
+    slopes: list = []
     for weights in STAGES:
         slopes.append(derivative(m, moved(states, h, weights, slopes), u.fuel_ratio, u.elevator, scale, p))
     return moved(states, h, WEIGHTS, slopes) + memory

@@ -28,18 +28,18 @@ PICTURES: list[tuple[str, str, tuple[Panel, ...]]] = [
         Panel("h (ft)", (("reference", "controller.h_reference", "k--"), ("h", "plant.h", "C0"))),
         Panel("h error (ft)", (("", "plant.h - controller.h_reference", "C3"),)))),
     ("attitude", "Attitude angles", (
-        Panel("γ (deg)", (("command γd", "controller.gamma_command", "k--"), ("γ", "plant.gamma", "C0")), True),
+        Panel("γ (deg)", (("command $γ_d$", "controller.gamma_command", "k--"), ("γ", "plant.gamma", "C0")), True),
         Panel("θ (deg)", (("", "plant.theta", "C0"),), True),
         Panel("Q (deg/s)", (("", "plant.Q", "C0"),), True))),
     ("inputs", "Control inputs", (
         Panel("fuel ratio Φ", (("", "controller.fuel_ratio", "C0"),)),
-        Panel("elevator δe (deg)", (("", "controller.elevator", "C0"),), True))),
+        Panel("elevator $δ_e$ (deg)", (("", "controller.elevator", "C0"),), True))),
     ("flexible", "Flexible states", (
-        Panel("η1", (("", "plant.eta1", "C0"),)),
-        Panel("η2", (("", "plant.eta2", "C0"),)))),
+        Panel("$η_1$", (("", "plant.eta1", "C0"),)),
+        Panel("$η_2$", (("", "plant.eta2", "C0"),)))),
     ("phi_hat", "Adapted parameters of the networks", (
-        Panel("φ̂1 (velocity)", (("", "controller.phi_hat_1", "C0"),)),
-        Panel("φ̂2 (altitude)", (("", "controller.phi_hat_2", "C0"),)))),
+        Panel("$\\hat\\varphi_1$ (velocity)", (("", "controller.phi_hat_1", "C0"),)),
+        Panel("$\\hat\\varphi_2$ (altitude)", (("", "controller.phi_hat_2", "C0"),)))),
 ]
 
 
@@ -68,6 +68,7 @@ def draw(flight: Flight, title: str, panels: tuple[Panel, ...]) -> Figure:
     axes[-1, 0].set_xlabel("time (s)")
     axes[-1, 0].set_xlim(flight.time[0], max(flight.time[-1], 1e-9))
     figure.suptitle(title)
+    figure.align_ylabels()
     figure.tight_layout()
     return figure
 

@@ -42,7 +42,7 @@ def add_units(root: Element, table: list[Variable]) -> None:
         known = UNITS[unit]
         if known:
             factor, exponents = known
-            base = {k: str(exponents[k]) for k in ("kg", "m", "s", "rad") if k in exponents}
+            base: dict[str, str] = {k: str(exponents[k]) for k in ("kg", "m", "s", "rad") if k in exponents}
             if factor != 1.0:
                 base["factor"] = number(factor)
             SubElement(element, "BaseUnit", base)
@@ -113,7 +113,7 @@ def model_description(model: ModuleType, trace: Trace, flavour: Flavour, guid: s
                    description=model.DESCRIPTION, version=version, generationTool=TOOL,
                    variableNamingConvention="flat")
     interface = SubElement(root, "CoSimulation", modelIdentifier=model.NAME,
-                           canHandleVariableCommunicationStepSize="true", **flavour.capabilities)
+                           canHandleVariableCommunicationStepSize="true", attrib=flavour.capabilities)
     if flavour.sources:
         files = SubElement(interface, "SourceFiles")
         for source in flavour.sources:

@@ -3,7 +3,7 @@
 Travels inside every FMU of the Python flavour.
 """
 from math import ceil, degrees, isfinite
-from types import SimpleNamespace
+from types import ModuleType, SimpleNamespace
 
 from pythonfmu.enums import Fmi2Status
 from pythonfmu.fmi2slave import Fmi2Slave
@@ -35,7 +35,7 @@ def out_of_range(v, value):
 class ModelSlave(Fmi2Slave):
     """Steps `model` (see `fmus.interface`). A subclass names the model, and that is all."""
 
-    model: object
+    model: ModuleType
 
     def __init__(self, **kwargs):
         super().__init__(**kwargs)

@@ -1,0 +1,33 @@
+PYTHON ?= python3
+BIN := .venv/bin
+
+.PHONY: setup build demo test lint slow clean
+
+setup: .venv/ready
+
+.venv/ready: pyproject.toml
+	$(PYTHON) -m venv .venv
+	$(BIN)/pip install --quiet --upgrade pip
+	$(BIN)/pip install --quiet --editable '.[all]'
+	touch $@
+
+build: setup
+	$(BIN)/ahv build
+
+# The README's first command: set up, build the FMUs, fly Case 1; pictures and figures in results/case1.
+demo: build
+	$(BIN)/ahv run case1
+
+test: build
+	$(BIN)/pytest -m 'not slow'
+
+lint: setup
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+
+# What is too long for the everyday suite.
+slow: build
+	$(BIN)/pytest -m slow
+
+clean:
+	rm -rf .venv results fmus/dist
