@@ -14,7 +14,7 @@ app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_
 
 DIST = Path(__file__).parent.parent / "fmus" / "dist"
 CONTROLLERS = {"neural": "AhvController"}
-FLAVOURS = ("python",)
+FLAVOURS = ("python", "native")
 
 Json = Annotated[bool, typer.Option("--json", help="One JSON object on stdout.")]
 Set = Annotated[list[str], typer.Option("--set", metavar="COMPONENT.VARIABLE=VALUE", help="May be repeated.")]

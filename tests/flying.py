@@ -1,0 +1,25 @@
+"""Helpers that fly FMU files in tests."""
+from contextlib import contextmanager
+from pathlib import Path
+
+from cosim.fmu import FmuFile, Instance
+
+
+@contextmanager
+def running(path: Path, **values):
+    """An initialised instance of the FMU at `path`, with parameters and inputs set before."""
+    file = FmuFile.open(path)
+    instance = Instance(file, file.description.modelName)
+    try:
+        instance.set({name: file.checked(name, value, "fmu") for name, value in values.items()})
+        instance.setup(0.0, 1000.0)
+        instance.simple("fmi2EnterInitializationMode")
+        instance.simple("fmi2ExitInitializationMode")
+        yield instance
+    finally:
+        instance.close()
+        file.close()
+
+
+def step(instance, time, length):
+    instance.check(instance.do_step(instance.component, time, length, 1), "fmi2DoStep", time)
