@@ -1,0 +1,61 @@
+"""The check itself: unpack, read, apply the static rules, run the probes, and leave nothing behind."""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+
+from cosim.conformance import (  # noqa: F401  (the rules_* modules register their rules)
+    dynamic,
+    rules_archive,
+    rules_dynamic,
+    rules_header,
+    rules_structure,
+    rules_units,
+    rules_variables,
+)
+from cosim.conformance.archive import BadArchive, safe_extract
+from cosim.conformance.context import Fmu, Unusable, read
+from cosim.conformance.report import Report
+from cosim.conformance.rules import STATIC_CHECKS, Fault
+
+TIME_LIMIT = 30.0  # seconds for a single call of the FMU
+CYCLES = 1000  # lives of an instance in the memory probe
+
+
+def check(path: Path, run_probes: bool = True, time_limit: float = TIME_LIMIT, cycles: int = CYCLES) -> Report:
+    """See `cosim.conformance.check`."""
+    report = Report(Path(path))
+    with tempfile.TemporaryDirectory(prefix="ahv-check-", ignore_cleanup_errors=True) as work:
+        try:
+            folder = Path(work) / "fmu"
+            folder.mkdir()
+            fmu = read(report.fmu, folder, safe_extract(report.fmu, folder))
+        except BadArchive as problem:
+            report.add(problem.rule, Fault(report.fmu.name, str(problem), "an FMU that can be unpacked"))
+            return report
+        except Unusable as problem:
+            report.add(problem.rule, problem.fault)
+            return report
+        _static(fmu, report)
+        _dynamic(fmu, report, Path(work), run_probes, time_limit, cycles)
+    return report
+
+
+def _static(fmu: Fmu, report: Report) -> None:
+    for fault in fmu.schema_faults:
+        report.add("xml.schema", fault)
+    for name, find in STATIC_CHECKS.items():
+        for fault in find(fmu):
+            report.add(name, fault)
+
+
+def _dynamic(fmu: Fmu, report: Report, work: Path, run_probes: bool, time_limit: float, cycles: int) -> None:
+    if not run_probes:
+        report.skip("everything dynamic", "not asked for")
+    elif fmu.description.co_simulation is None:
+        report.skip("everything dynamic", "the FMU is not for co-simulation")
+    elif any(f.rule in ("xml.schema", "binary.format", "binary.exports") for f in report.findings):
+        report.skip("everything dynamic", "the description or the binary is too broken to run the FMU by it")
+    else:
+        dynamic.run(fmu, report, work, time_limit, cycles)

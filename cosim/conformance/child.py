@@ -1,0 +1,52 @@
+"""The child process: loads the FMU, runs the probes one after the other, writes one JSON line for each event.
+
+    python -m cosim.conformance.child JOB.json RESULTS.jsonl MARK
+
+A crash or a hang ends this process only; the parent then knows the probe from the last "begin" line and the call from
+the mark, and starts a new child for the probes that are left.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+from cosim.conformance import probes_faults, probes_life, probes_state  # noqa: F401  (they register the probes)
+from cosim.conformance.bench import PROBES, Bench, CallFailed, NoInstance
+from cosim.conformance.fmi2 import FATAL, PENDING, Mark
+from cosim.conformance.job import Job
+
+
+def main(job_file: str, results: str, mark: str) -> None:
+    job = Job.read(Path(job_file))
+    bench = Bench(job, Mark(Path(mark)), Path(results))
+    for name in job.probes:
+        bench.note("begin", name)
+        _run(bench, name)
+        bench.note("end", name)
+        if bench.library.is_corrupt or bench.is_single:
+            return  # the parent starts a new process for the probes that are left
+
+
+def _run(bench: Bench, name: str) -> None:
+    if PROBES[name].many and bench.is_single:
+        bench.skip(name, "the FMU says that a process may instantiate it once only")
+        return
+    try:
+        PROBES[name].run(bench)
+    except CallFailed as failure:
+        _report(bench, name, failure)
+    except NoInstance:
+        bench.fault("dynamic.instantiate", name, "fmi2Instantiate returned a null pointer", "an instance")
+
+
+def _report(bench: Bench, name: str, failure: CallFailed) -> None:
+    if failure.status == PENDING and bench.job.claims.get("canRunAsynchronuously"):
+        bench.skip(name, "the FMU steps asynchronously")
+        return
+    expected = "fmi2OK" if failure.status != FATAL else "fmi2OK; fmi2Fatal makes every instance unusable"
+    bench.fault("dynamic.legal-call", failure.call, str(failure), expected)
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

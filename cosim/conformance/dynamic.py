@@ -1,0 +1,208 @@
+"""Running an FMU in child processes: a crash or a hang is a finding and not the end.
+
+The child (child.py) writes one JSON line for each event; when it dies or stops moving, the last "begin" line names the
+probe and the mark names the call, and a new child takes the probes that are left.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import platform
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+
+from cosim.conformance import probes_faults, probes_life, probes_state  # noqa: F401  (they register the probes)
+from cosim.conformance.bench import PROBES
+from cosim.conformance.context import Fmu
+from cosim.conformance.description import Variable, integer, number
+from cosim.conformance.fmi2 import MARK_BYTES, Mark
+from cosim.conformance.job import Job, Known
+from cosim.conformance.report import Report
+from cosim.conformance.rules import WARNING, Fault
+
+_POLL = 0.05
+_SLOW = 4  # a probe that moves on, but takes longer than this many time limits, is left
+_FATAL_RULES = {"dynamic.load": "the FMU cannot be loaded", "dynamic.hang": "the FMU hangs"}
+_FLAGS = (
+    "canHandleVariableCommunicationStepSize",
+    "canInterpolateInputs",
+    "canRunAsynchronuously",
+    "canBeInstantiatedOnlyOncePerProcess",
+    "canGetAndSetFMUstate",
+    "canSerializeFMUstate",
+    "providesDirectionalDerivative",
+)
+
+
+def run(fmu: Fmu, report: Report, work: Path, time_limit: float, cycles: int) -> None:
+    """Run all probes on the FMU and note what they find. A single call may take `time_limit` seconds."""
+    library = host_library(fmu)
+    if library is None:
+        report.skip("everything dynamic", f"no binary for this platform (binaries/{host_platform()})")
+        return
+    job = make_job(fmu, library, time_limit, cycles)
+    while job.probes:
+        done = _one_child(job, report, work, time_limit)
+        if done == 0:
+            raise RuntimeError(f"the checking process did not begin with '{job.probes[0]}'; see {work / 'stderr.txt'}")
+        why = next((_FATAL_RULES[f.rule] for f in report.findings if f.rule in _FATAL_RULES), None)
+        if why:
+            report.skip("the probes after that", why)
+            return
+        job = replace(job, probes=job.probes[done:])
+
+
+def host_platform() -> str:
+    """The name of the folder below binaries/ that holds this machine's library (2.3)."""
+    system = {"Windows": "win", "Darwin": "darwin"}.get(platform.system(), "linux")
+    return f"{system}{'64' if sys.maxsize > 2**32 else '32'}"
+
+
+def host_library(fmu: Fmu) -> Path | None:
+    """The FMU's shared library for this machine, or None."""
+    suffix = {"win": ".dll", "dar": ".dylib"}.get(host_platform()[:3], ".so")
+    file = fmu.folder / "binaries" / host_platform() / f"{fmu.identifier}{suffix}"
+    is_foreign = host_platform() == "linux64" and platform.machine() not in ("x86_64", "AMD64")
+    return file if file.is_file() and not is_foreign else None
+
+
+def make_job(fmu: Fmu, library: Path, time_limit: float, cycles: int) -> Job:
+    """What the child needs to know about the FMU."""
+    experiment = fmu.description.root.find("DefaultExperiment")
+    given = {} if experiment is None else {str(key): number(str(text)) for key, text in experiment.attrib.items()}
+    start, stop, step = given.get("startTime") or 0.0, given.get("stopTime"), given.get("stepSize")
+    if not step or step <= 0:
+        step = (stop - start) / 100 if stop is not None and stop > start else 0.01
+    claims = {flag: 1 for flag in _FLAGS if fmu.description.claims(flag)}
+    order = integer((fmu.description.co_simulation or {}).get("maxOutputDerivativeOrder")) or 0
+    return Job(
+        library=str(library),
+        guid=fmu.description.attributes.get("guid", ""),
+        resources=(fmu.folder / "resources").as_uri(),
+        start=start,
+        stop=stop,
+        step=step,
+        claims=claims | ({"maxOutputDerivativeOrder": order} if order else {}),
+        categories=[c.get("name", "") for c in fmu.description.root.iterfind("LogCategories/Category")],
+        variables=[_known(v) for v in fmu.description.variables if v.kind and v.reference is not None],
+        probes=list(PROBES),
+        cycles=cycles,
+        patience=time_limit / 2,
+    )
+
+
+def _known(v: Variable) -> Known:
+    start: float | int | str | None
+    if v.kind == "Real":
+        start = number(v.start)
+    elif v.kind == "Boolean":
+        start = None if v.start is None else int(v.start.strip() in ("true", "1"))
+    else:
+        start = v.start if v.kind == "String" else integer(v.start)
+    items = [] if v.declared is None else [integer(item.get("value")) for item in v.declared.items]
+    return Known(
+        name=v.name,
+        reference=v.reference or 0,
+        base=v.base,
+        causality=v.causality,
+        variability=v.variability,
+        initial=v.initial,
+        start=start,
+        low=number(v.resolved("min")),
+        high=number(v.resolved("max")),
+        nominal=number(v.resolved("nominal")),
+        items=[value for value in items if value is not None],
+    )
+
+
+def _one_child(job: Job, report: Report, work: Path, time_limit: float) -> int:
+    """Run one child until it ends, dies or is stopped; note its findings; return how many probes are done with."""
+    files = [work / name for name in ("job.json", "results.jsonl", "mark.bin")]
+    files[0].write_text(job.to_json(), encoding="utf-8")
+    files[1].write_text("", encoding="utf-8")
+    files[2].write_bytes(bytes(MARK_BYTES))
+    root = str(Path(__file__).parents[2])
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join([root, os.environ.get("PYTHONPATH", "")])}
+    command = [sys.executable, "-P", "-m", "cosim.conformance.child", *map(str, files)]
+    with (work / "stderr.txt").open("wb") as errors:
+        child = subprocess.Popen(
+            command, cwd=work, env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=errors
+        )
+        try:
+            stopped = _watch(child, files[1], files[2], time_limit)
+        finally:
+            child.kill()
+            child.wait()
+    begun, ended = _take_results(files[1], report)
+    if len(begun) > len(ended):
+        _judge_death(report, begun[-1], stopped, child.returncode, Mark.read(files[2])[1], work, time_limit)
+    return len(begun)
+
+
+def _watch(child: subprocess.Popen[bytes], results: Path, mark: Path, time_limit: float) -> str:
+    """Wait for the end; return "hang" or "slow" when waiting was given up, or else an empty string."""
+    seen: tuple[int, int] = (0, 0)
+    call_began = probe_began = time.monotonic()
+    while child.poll() is None:
+        time.sleep(_POLL)
+        now = time.monotonic()
+        calls, size = Mark.read(mark)[0], results.stat().st_size
+        if calls != seen[0]:
+            call_began = now
+        if size != seen[1]:
+            call_began = probe_began = now
+        seen = calls, size
+        if now - call_began > time_limit:
+            return "hang"
+        if now - probe_began > _SLOW * time_limit:
+            return "slow"
+    return ""
+
+
+def _take_results(results: Path, report: Report) -> tuple[list[str], list[str]]:
+    """Put the child's lines into the report; return the probes that began and those that ended."""
+    begun, ended = [], []
+    for text in results.read_text("utf-8").splitlines():
+        line = json.loads(text)
+        if "rule" in line:
+            fault = Fault(*line["fault"])
+            known = {(f.rule, f.variable, f.found) for f in report.findings}
+            if (line["rule"], fault.variable, fault.found) not in known:
+                report.add(line["rule"], fault, line["severity"])
+        elif "skip" in line:
+            report.skip(*line["skip"])
+        elif "begin" in line:
+            begun.append(line["begin"])
+        else:
+            ended.append(line["end"])
+    return begun, ended
+
+
+def _judge_death(
+    report: Report, probe: str, stopped: str, returncode: int, call: str, work: Path, time_limit: float
+) -> None:
+    """A probe began and did not end: say why. A crash after an illegal call is no error: the master began it."""
+    severity = None if PROBES[probe].legal else WARNING
+    if stopped == "slow":
+        report.skip(probe, f"slow: not finished within {_SLOW * time_limit:g} s")
+    elif stopped == "hang":
+        found = f"{call} did not return within {time_limit:g} s (probe '{probe}')"
+        report.add("dynamic.hang", Fault(call, found, "a status, in time"), severity)
+    elif probe == "load" and returncode > 0:
+        lines = (work / "stderr.txt").read_text("utf-8", "replace").strip().splitlines()
+        report.add("dynamic.load", Fault("binaries", lines[-1] if lines else "no reason given", "a library that loads"))
+    else:
+        found = f"{call} ended the process with {_death(returncode)} (probe '{probe}')"
+        if not any((f.rule, f.variable) == ("dynamic.crash", call) for f in report.findings):
+            report.add("dynamic.crash", Fault(call, found, "a status"), severity)
+
+
+def _death(returncode: int) -> str:
+    if returncode < 0 and -returncode in signal.valid_signals():
+        return f"signal {signal.Signals(-returncode).name}"
+    return f"exit code {returncode}"

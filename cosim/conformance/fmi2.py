@@ -1,0 +1,200 @@
+"""The C functions of an FMI 2.0 shared library, called raw: every status comes back, nothing is checked here.
+
+Runs in the child process only. Before each call its name and a counter go to a small shared file, so that the parent
+knows which call crashed or hangs. Sections 2.1 and 4.2 give the signatures.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import mmap
+import os
+import struct
+from collections.abc import Sequence
+from ctypes import POINTER, byref, c_char_p, c_double, c_int, c_size_t, c_uint, c_void_p
+from pathlib import Path
+from typing import Any
+
+OK, WARNING, DISCARD, ERROR, FATAL, PENDING = range(6)
+STATUS = ("fmi2OK", "fmi2Warning", "fmi2Discard", "fmi2Error", "fmi2Fatal", "fmi2Pending")
+
+MARK_BYTES = 72  # a counter and the name of the call, see `Mark`
+
+_LOGGER = ctypes.CFUNCTYPE(None, c_void_p, c_char_p, c_int, c_char_p, c_char_p)
+_ALLOCATE = ctypes.CFUNCTYPE(c_void_p, c_size_t, c_size_t)
+_FREE = ctypes.CFUNCTYPE(None, c_void_p)
+_REFERENCES = POINTER(c_uint)
+_C_TYPES: dict[str, Any] = {"Real": c_double, "Integer": c_int, "Boolean": c_int, "String": c_char_p}
+
+Value = float | int | str | bytes | None
+
+
+class _Callbacks(ctypes.Structure):
+    _fields_ = (
+        ("logger", _LOGGER),
+        ("allocateMemory", _ALLOCATE),
+        ("freeMemory", _FREE),
+        ("stepFinished", c_void_p),
+        ("componentEnvironment", c_void_p),
+    )
+
+
+_SIGNATURES: dict[str, tuple[Any, ...]] = {
+    "SetDebugLogging": (c_int, c_size_t, POINTER(c_char_p)),
+    "SetupExperiment": (c_int, c_double, c_double, c_int, c_double),
+    "EnterInitializationMode": (),
+    "ExitInitializationMode": (),
+    "Terminate": (),
+    "Reset": (),
+    "DoStep": (c_double, c_double, c_int),
+    "GetFMUstate": (POINTER(c_void_p),),
+    "SetFMUstate": (c_void_p,),
+    "FreeFMUstate": (POINTER(c_void_p),),
+    "SerializedFMUstateSize": (c_void_p, POINTER(c_size_t)),
+    "SerializeFMUstate": (c_void_p, c_char_p, c_size_t),
+    "DeSerializeFMUstate": (c_char_p, c_size_t, POINTER(c_void_p)),
+    "GetDirectionalDerivative": (_REFERENCES, c_size_t, _REFERENCES, c_size_t, POINTER(c_double), POINTER(c_double)),
+    "SetRealInputDerivatives": (_REFERENCES, c_size_t, POINTER(c_int), POINTER(c_double)),
+    "GetRealOutputDerivatives": (_REFERENCES, c_size_t, POINTER(c_int), POINTER(c_double)),
+}
+for _type, _c_type in _C_TYPES.items():
+    _SIGNATURES[f"Get{_type}"] = _SIGNATURES[f"Set{_type}"] = (_REFERENCES, c_size_t, POINTER(_c_type))
+
+
+class Mark:
+    """The shared note about the call under way: a counter (8 bytes) and the function's name (64 bytes)."""
+
+    def __init__(self, file: Path) -> None:
+        with file.open("r+b") as opened:
+            self._map = mmap.mmap(opened.fileno(), MARK_BYTES)
+        self._count = 0
+
+    def set(self, call: str) -> None:
+        self._count += 1
+        self._map[:] = struct.pack("<Q64s", self._count, call.encode())
+
+    @staticmethod
+    def read(file: Path) -> tuple[int, str]:
+        """The counter and the name of the last call, for the parent."""
+        count, call = struct.unpack("<Q64s", file.read_bytes()[:MARK_BYTES])
+        return count, call.rstrip(b"\0").decode()
+
+
+class Library:
+    """A loaded shared library."""
+
+    def __init__(self, file: Path, mark: Mark) -> None:
+        self._mark = mark
+        self.is_corrupt = False  # after fmi2Fatal no function of any instance may be called (2.1.3)
+        mark.set("loading the library")
+        self._dll = ctypes.CDLL(str(file))
+        libc = ctypes.CDLL("msvcrt") if os.name == "nt" else ctypes.CDLL(None)
+        self._allocate = _ALLOCATE(("calloc", libc))  # type: ignore[arg-type]
+        self._free = _FREE(("free", libc))  # type: ignore[arg-type]
+
+    def text(self, name: str) -> str:
+        """What fmi2GetVersion or fmi2GetTypesPlatform returns."""
+        self._mark.set(name)
+        function = getattr(self._dll, name)
+        function.restype = c_char_p
+        return (function() or b"").decode("utf-8", "replace")
+
+    def instantiate(self, name: str, guid: str, resources: str, logging_on: bool = False) -> Instance | None:
+        """fmi2Instantiate (2.1.5); None when the FMU returned a null pointer."""
+        messages: list[tuple[int, str]] = []
+
+        def logger(_env: Any, _name: Any, status: int, category: bytes | None, _message: Any) -> None:
+            messages.append((status, (category or b"").decode("utf-8", "replace")))
+
+        callbacks = _Callbacks(_LOGGER(logger), self._allocate, self._free, None, None)
+        self._mark.set("fmi2Instantiate")
+        function = self._dll.fmi2Instantiate
+        function.restype = c_void_p
+        function.argtypes = (c_char_p, c_int, c_char_p, c_char_p, POINTER(_Callbacks), c_int, c_int)
+        component = function(name.encode(), 1, guid.encode(), resources.encode(), byref(callbacks), 0, int(logging_on))
+        return Instance(self, component, callbacks, messages) if component else None
+
+    def free(self, component: int | None) -> None:
+        """fmi2FreeInstance (2.1.5), also of a null pointer."""
+        self._mark.set("fmi2FreeInstance")
+        function = self._dll.fmi2FreeInstance
+        function.restype, function.argtypes = None, (c_void_p,)
+        function(component)
+
+    def call(self, component: int, name: str, *arguments: Any) -> int:
+        self._mark.set(f"fmi2{name}")
+        function = getattr(self._dll, f"fmi2{name}")
+        function.restype, function.argtypes = c_int, (c_void_p, *_SIGNATURES[name])
+        status = int(function(component, *arguments))
+        self.is_corrupt |= status == FATAL
+        return status
+
+
+class Instance:
+    """One instance: `call("Terminate")` and the like return the status as a number; `messages` is what it logged."""
+
+    def __init__(self, library: Library, component: int, callbacks: Any, messages: list[tuple[int, str]]) -> None:
+        self._library, self._component, self._callbacks = library, component, callbacks
+        self.messages = messages
+
+    def call(self, name: str, *arguments: Any) -> int:
+        return self._library.call(self._component, name, *arguments)
+
+    def free(self) -> None:
+        if not self._library.is_corrupt:
+            self._library.free(self._component)
+
+    def setup(self, start: float, stop: float | None = None) -> int:
+        return self.call("SetupExperiment", 0, 0.0, start, int(stop is not None), stop or 0.0)
+
+    def step(self, time: float, size: float) -> int:
+        return self.call("DoStep", time, size, 0)
+
+    def get(self, base: str, references: Sequence[int]) -> tuple[int, list[Value]]:
+        """fmi2GetReal and its sisters; strings come back as bytes, or None for a null pointer."""
+        values = (_C_TYPES[base] * len(references))()
+        status = self.call(f"Get{base}", (c_uint * len(references))(*references), len(references), values)
+        return status, list(values)
+
+    def set(self, base: str, references: Sequence[int], values: Sequence[Value]) -> int:
+        """fmi2SetReal and its sisters."""
+        packed = (_C_TYPES[base] * len(values))(*values)
+        return self.call(f"Set{base}", (c_uint * len(references))(*references), len(references), packed)
+
+    def get_state(self) -> tuple[int, c_void_p]:
+        state = c_void_p()
+        return self.call("GetFMUstate", byref(state)), state
+
+    def set_state(self, state: c_void_p) -> int:
+        return self.call("SetFMUstate", state)
+
+    def free_state(self, state: c_void_p) -> int:
+        return self.call("FreeFMUstate", byref(state))
+
+    def serialize(self, state: c_void_p) -> tuple[int, bytes]:
+        size = c_size_t()
+        status = self.call("SerializedFMUstateSize", state, byref(size))
+        if status > WARNING:
+            return status, b""
+        buffer = ctypes.create_string_buffer(size.value)
+        return self.call("SerializeFMUstate", state, buffer, size.value), buffer.raw
+
+    def deserialize(self, data: bytes) -> tuple[int, c_void_p]:
+        state = c_void_p()
+        return self.call("DeSerializeFMUstate", data, len(data), byref(state)), state
+
+    def directional(self, unknown: int, known: int) -> tuple[int, float]:
+        """The derivative of one variable with respect to one other (2.1.9)."""
+        result = (c_double * 1)()
+        one = (c_uint * 1)(unknown), 1, (c_uint * 1)(known), 1
+        return self.call("GetDirectionalDerivative", *one, (c_double * 1)(1.0), result), result[0]
+
+    def input_derivative(self, reference: int, value: float) -> int:
+        return self.call("SetRealInputDerivatives", (c_uint * 1)(reference), 1, (c_int * 1)(1), (c_double * 1)(value))
+
+    def output_derivative(self, reference: int) -> int:
+        return self.call("GetRealOutputDerivatives", (c_uint * 1)(reference), 1, (c_int * 1)(1), (c_double * 1)())
+
+    def set_debug_logging(self, on: bool, categories: Sequence[str]) -> int:
+        names = (c_char_p * len(categories))(*(name.encode() for name in categories))
+        return self.call("SetDebugLogging", int(on), len(categories), names)

@@ -1,0 +1,51 @@
+"""What the parent tells the child about the FMU under test, as plain data that travels as JSON."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+
+
+@dataclass(frozen=True)
+class Known:
+    """A variable as the probes need it; `start`, `low`, `high` are numbers (or text, for a String's start)."""
+
+    name: str
+    reference: int
+    base: str  # Real, Integer, Boolean, String: which fmi2Get function reads it
+    causality: str
+    variability: str
+    initial: str | None
+    start: float | int | str | None
+    low: float | None
+    high: float | None
+    nominal: float | None
+    items: list[int] = field(default_factory=list)  # the values of an enumeration
+
+
+@dataclass(frozen=True)
+class Job:
+    """One FMU and which probes to run on it."""
+
+    library: str
+    guid: str
+    resources: str  # a URI, section 2.1.5
+    start: float
+    stop: float | None
+    step: float
+    claims: dict[str, int]  # capability flags of 4.3.1 that are not false
+    categories: list[str]  # names of the log categories
+    variables: list[Known]
+    probes: list[str]
+    cycles: int  # how often the memory probe instantiates and frees
+    patience: float  # seconds that a probe may use on repetitions
+
+    def to_json(self) -> str:
+        return json.dumps(asdict(self))
+
+    @staticmethod
+    def read(file: Path) -> Job:
+        data = json.loads(file.read_text("utf-8"))
+        data["variables"] = [Known(**variable) for variable in data["variables"]]
+        return Job(**data)

@@ -1,0 +1,104 @@
+"""What a check hands back: findings, what was not tested, and two ways to show them (a table, a JSON-able dict)."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+from rich.table import Table
+
+from cosim.conformance.rules import ERROR, RULES, SEVERITIES, Fault
+
+_COLOURS = {"error": "bold red", "warning": "yellow", "note": "dim"}
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One breach: `found` is what is there, `expected` what should be; `variable` may also be a unit, type or file."""
+
+    rule: str
+    section: str
+    severity: str
+    variable: str
+    found: str
+    expected: str
+
+
+@dataclass(frozen=True)
+class NotTested:
+    """Something that was left untested, and why (for instance a capability that the FMU does not claim)."""
+
+    what: str
+    why: str
+
+
+@dataclass
+class Report:
+    """All that is known about one FMU after the check."""
+
+    fmu: Path
+    findings: list[Finding] = field(default_factory=list)
+    not_tested: list[NotTested] = field(default_factory=list)
+
+    def add(self, rule: str, fault: Fault, severity: str | None = None) -> None:
+        """Note a breach of `rule`; a probe may state a milder `severity` than the rule's own."""
+        known = RULES[rule]
+        self.findings.append(Finding(rule, known.section, severity or known.severity, *fault))
+
+    def skip(self, what: str, why: str) -> None:
+        """Note that `what` was not tested."""
+        self.not_tested.append(NotTested(what, why))
+
+    def count(self, severity: str) -> int:
+        """How many findings have this severity."""
+        return sum(f.severity == severity for f in self.findings)
+
+    @property
+    def passed(self) -> bool:
+        """True when there is no error (warnings and notes do not fail an FMU)."""
+        return self.count(ERROR) == 0
+
+    def sorted_findings(self) -> list[Finding]:
+        """Errors first, then warnings, then notes; within a severity in the order they were found."""
+        return sorted(self.findings, key=lambda f: SEVERITIES.index(f.severity))
+
+
+def to_dict(report: Report) -> dict[str, Any]:
+    """The report as plain data for JSON."""
+    counts = Counter(f.severity for f in report.findings)
+    return {
+        "fmu": str(report.fmu),
+        "passed": report.passed,
+        "counts": {severity: counts[severity] for severity in SEVERITIES},
+        "findings": [asdict(f) for f in report.sorted_findings()],
+        "not_tested": [asdict(n) for n in report.not_tested],
+    }
+
+
+def findings_table(report: Report) -> Table:
+    """The findings as a table for a terminal (`rich.print` it)."""
+    counts = ", ".join(f"{report.count(s)} {s}{'' if report.count(s) == 1 else 's'}" for s in SEVERITIES)
+    table = Table(title=f"{report.fmu.name}: {counts}", title_justify="left", show_lines=False)
+    for heading in ("severity", "rule", "section", "variable", "found", "expected"):
+        table.add_column(heading, overflow="fold")
+    for f in report.sorted_findings():
+        severity = f"[{_COLOURS[f.severity]}]{f.severity}[/]"
+        table.add_row(severity, f.rule, f.section, *(_plain(text) for text in (f.variable, f.found, f.expected)))
+    return table
+
+
+def not_tested_table(report: Report) -> Table:
+    """What was not tested, and why, as a table for a terminal."""
+    table = Table(title=f"{report.fmu.name}: not tested", title_justify="left")
+    table.add_column("what")
+    table.add_column("why", overflow="fold")
+    for item in report.not_tested:
+        table.add_row(_plain(item.what), _plain(item.why))
+    return table
+
+
+def _plain(text: str) -> str:
+    """Keep rich from reading `[3]` in a variable name as markup."""
+    return text.replace("[", r"\[")
