@@ -23,10 +23,10 @@ static int not_acceptable(char reason[SENTENCE], const double *x, const double *
     if (good)
         return 0;
     for (int i = 0; i < NY; i++)
-        if (!isfinite(y[i]))
+        if (!is_finite(y[i]))
             return out_of_range(reason, &TABLE[COMPUTED[i]], y[i]);
     for (int i = 0; i < NX; i++)
-        if (!isfinite(x[i])) {
+        if (!is_finite(x[i])) {
             strcpy(reason, "an internal state is not a finite number");
             return 1;
         }

@@ -55,6 +55,12 @@ typedef struct {
     char name[];
 } Instance;
 
+/* Not isfinite(): for some C libraries that is a function of their own. */
+static int is_finite(double value)
+{
+    return value >= -DBL_MAX && value <= DBL_MAX;
+}
+
 #define INSTANCE_MAGIC UINT64_C(0x31534e4955484121)
 
 #endif

@@ -104,7 +104,7 @@ fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean toleranceDefined, fm
         return fmi2Error;
     if (instance->state.phase != INSTANTIATED)
         return refuse(instance, fmi2Error, "the experiment can be set up before initialisation only");
-    if (!isfinite(startTime))
+    if (!is_finite(startTime))
         return refuse(instance, fmi2Error, "start time %s s is not a finite number", number(text, startTime));
     if (stopTimeDefined && !(stopTime >= startTime))
         return refuse(instance, fmi2Error, "stop time %s s is not after start time %s s", number(text, stopTime),

@@ -39,10 +39,10 @@ static fmi2Status refuse(const Instance *instance, fmi2Status status, const char
 /* A number as Python shows it: where it is not finite, C libraries differ. */
 static const char *number(char text[32], double value)
 {
-    if (isfinite(value))
+    if (is_finite(value))
         snprintf(text, 32, "%.6g", value);
     else
-        strcpy(text, isnan(value) ? "nan" : value > 0 ? "inf" : "-inf");
+        strcpy(text, value != value ? "nan" : value > 0 ? "inf" : "-inf");
     return text;
 }
 
@@ -51,7 +51,7 @@ static int out_of_range(char reason[SENTENCE], const Variable *v, double value)
 {
     char text[32], bound[32];
     int below = value < v->minimum;
-    if (!isfinite(value)) {
+    if (!is_finite(value)) {
         snprintf(reason, SENTENCE, "%s = %s is not a finite number", v->name, number(text, value));
         return 1;
     }

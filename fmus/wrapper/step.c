@@ -14,11 +14,11 @@ static fmi2Status do_step(Instance *instance, double time, double step)
     char reason[SENTENCE], text[32], other[32];
     const double end = time + step;
     const double *x;
-    if (!(isfinite(step) && step > 0)) {
+    if (!(is_finite(step) && step > 0)) {
         snprintf(reason, sizeof reason, "communication step %s s is not a positive number", number(text, step));
         return discard(instance, 0, time, reason);
     }
-    if (!isfinite(time))
+    if (!is_finite(time))
         return discard(instance, 0, time, "the communication point is not a finite number");
     if (input_refused(reason, s))
         return discard(instance, 0, time, reason);

@@ -80,7 +80,7 @@ static fmi2Status set(Instance *instance, const Variable *v, double value)
 {
     State *s = &instance->state;
     char text[32], time[32];
-    if (v->causality == INPUT && !isfinite(value)) {
+    if (v->causality == INPUT && !is_finite(value)) {
         s->refused[v->place] = value;
         return refuse(instance, fmi2Discard, "%s = %s is not a finite number and was refused at t = %s s", v->name,
                       number(text, value), number(time, s->time));

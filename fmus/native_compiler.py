@@ -1,0 +1,74 @@
+"""Shared libraries for every platform, made on this machine by ziglang's C compiler."""
+import hashlib
+import os
+import subprocess
+import sys
+import tempfile
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+
+from .archive import digest
+
+CACHE = Path(__file__).parent / "dist" / ".cache"
+ZIG_CACHE = Path(__file__).parent / "dist" / ".zig-cache"
+WINDOWS = Path(__file__).parent / "wrapper" / "windows"
+
+# The same floating point everywhere, and the same as Python's: no contraction, no fast mathematics.
+COMPILE = ["-std=c99", "-O2", "-ffp-contract=off", "-fvisibility=hidden", "-fPIC", "-g0"]
+LINK = ["-shared", "-s"]
+
+
+def compiler() -> str:
+    try:
+        return version("ziglang")
+    except PackageNotFoundError:
+        raise RuntimeError("The native flavour needs a C compiler for all platforms: pip install ziglang") from None
+
+
+def zig(folder: Path, *arguments: str) -> None:
+    """Run zig in `folder`, where all names are relative: no path of this machine gets into a library."""
+    caches = {"ZIG_GLOBAL_CACHE_DIR": str(ZIG_CACHE), "ZIG_LOCAL_CACHE_DIR": str(ZIG_CACHE)}
+    done = subprocess.run([sys.executable, "-m", "ziglang", *arguments], cwd=folder, env={**os.environ, **caches},
+                          capture_output=True, text=True)
+    if done.returncode:
+        raise RuntimeError(f"zig {' '.join(arguments)} failed:\n{done.stderr}")
+
+
+def make(name: str, target: str, folder: Path) -> None:
+    """Compile all.c in `folder` to the library `name`."""
+    cc = ["cc", "-target", target]
+    if "windows" not in target:
+        zig(folder, *cc, *COMPILE, *LINK, "-o", name, "all.c", "-lm")
+        return
+    # Zig would first build MinGW's run-time library for a minute, of which nothing is needed.
+    for file in WINDOWS.iterdir():
+        (folder / file.name).write_bytes(file.read_bytes())
+    zig(folder, "dlltool", "-m", "i386:x86-64", "-d", "ucrt.def", "-l", "ucrt.lib")
+    zig(folder, *cc, *COMPILE, "-c", "all.c", "-o", "all.obj")
+    zig(folder, *cc, *COMPILE, "-c", "runtime.c", "-o", "runtime.obj")
+    zig(folder, *cc, *LINK, "-nostdlib", "-Wl,--no-entry", "-o", name, "all.obj", "runtime.obj", "ucrt.lib",
+        "-rtlib=compiler-rt")
+    (folder / name).write_bytes(dateless((folder / name).read_bytes()))
+
+
+def dateless(dll: bytes) -> bytes:
+    """`dll` without its date, which zig's linker has no option to leave out."""
+    header = int.from_bytes(dll[0x3c:0x40], "little")
+    return dll[:header + 8] + bytes(4) + dll[header + 12:]
+
+
+def library(name: str, target: str, sources: dict[str, bytes]) -> bytes:
+    """The shared library `name` for `target` made of all.c among `sources`; from the cache if it was made before."""
+    recipe = Path(__file__).read_bytes() + b"".join(path.read_bytes() for path in sorted(WINDOWS.iterdir()))
+    key = repr((compiler(), name, target, recipe, digest(sources)))
+    kept = CACHE / hashlib.sha256(key.encode()).hexdigest()
+    if not kept.exists():
+        CACHE.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory() as folder:
+            for path, content in sources.items():
+                Path(folder, path).write_bytes(content)
+            make(name, target, Path(folder))
+            partial = kept.with_name(f"{kept.name}.{os.getpid()}")
+            partial.write_bytes(Path(folder, name).read_bytes())
+            partial.replace(kept)
+    return kept.read_bytes()

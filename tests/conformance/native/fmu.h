@@ -1,0 +1,83 @@
+/* An FMI 2.0 co-simulation FMU's library, loaded at run time: what a plain C importer does. */
+#ifndef FMU_H
+#define FMU_H
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "fmi2FunctionTypes.h"
+
+#ifdef _WIN32
+#include <windows.h>
+#define OPEN(path) ((void *)LoadLibraryA(path))
+#define SYMBOL(library, name) ((void *)GetProcAddress((HMODULE)(library), name))
+#else
+#include <dlfcn.h>
+#define OPEN(path) dlopen(path, RTLD_NOW | RTLD_LOCAL)
+#define SYMBOL(library, name) dlsym(library, name)
+#endif
+
+#define FUNCTIONS(X) \
+    X(Instantiate) X(FreeInstance) X(SetDebugLogging) X(SetupExperiment) X(EnterInitializationMode) \
+    X(ExitInitializationMode) X(Terminate) X(Reset) X(GetReal) X(GetInteger) X(GetBoolean) X(GetString) X(SetReal) \
+    X(SetInteger) X(SetBoolean) X(SetString) X(GetFMUstate) X(SetFMUstate) X(FreeFMUstate) X(SerializedFMUstateSize) \
+    X(SerializeFMUstate) X(DeSerializeFMUstate) X(GetDirectionalDerivative) X(SetRealInputDerivatives) \
+    X(GetRealOutputDerivatives) X(DoStep) X(CancelStep) X(GetStatus) X(GetRealStatus) X(GetIntegerStatus) \
+    X(GetBooleanStatus) X(GetStringStatus)
+
+typedef struct {
+#define X(name) fmi2##name##TYPE *name;
+    FUNCTIONS(X)
+#undef X
+    const char *guid;
+} Fmu;
+
+static void fail(const char *what, const char *which)
+{
+    fprintf(stderr, "%s: %s\n", what, which);
+    exit(1);
+}
+
+static Fmu load(const char *library, const char *guid)
+{
+    Fmu fmu;
+    void *handle = OPEN(library), *symbol;
+    if (!handle)
+        fail("cannot be loaded", library);
+#define X(name) \
+    if (!(symbol = SYMBOL(handle, "fmi2" #name))) \
+        fail("has no fmi2" #name, library); \
+    memcpy(&fmu.name, &symbol, sizeof symbol);
+    FUNCTIONS(X)
+#undef X
+    fmu.guid = guid;
+    return fmu;
+}
+
+static void report(fmi2ComponentEnvironment environment, fmi2String instance, fmi2Status status, fmi2String category,
+                   fmi2String message, ...)
+{
+    (void)environment;
+    fprintf(stderr, "%s: status %d, %s: %s\n", instance, (int)status, category, message);
+}
+
+static const fmi2CallbackFunctions CALLBACKS = {report, calloc, free, NULL, NULL};
+
+static void ok(fmi2Status status, const char *call)
+{
+    if (status != fmi2OK)
+        fail("not OK", call);
+}
+
+static fmi2Component begin(const Fmu *fmu, const char *name)
+{
+    fmi2Component c = fmu->Instantiate(name, fmi2CoSimulation, fmu->guid, "", &CALLBACKS, fmi2False, fmi2True);
+    if (!c)
+        fail("not instantiated", name);
+    ok(fmu->SetupExperiment(c, fmi2False, 0, 0, fmi2False, 0), "SetupExperiment");
+    ok(fmu->EnterInitializationMode(c), "EnterInitializationMode");
+    return c;
+}
+
+#endif
