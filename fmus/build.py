@@ -3,7 +3,7 @@ from importlib import import_module
 from importlib.metadata import version
 from pathlib import Path
 
-from . import archive, native_flavour, python_flavour
+from . import archive, documentation, native_flavour, python_flavour
 from .description import model_description, parameter_set
 from .trace import trace
 
@@ -18,12 +18,17 @@ MODELS = {
 FLAVOURS = {"python": python_flavour, "native": native_flavour}
 
 
-def build(name: str, flavour: str, dist: Path = DIST) -> Path:
-    """Write `dist`/`flavour`/`name`.fmu and return its path. The same sources give the same bytes."""
+def build(name: str, flavour: str, dist: Path = DIST, arm: bool = False) -> Path:
+    """Write `dist`/`flavour`/`name`.fmu and return its path. The same sources give the same bytes.
+
+    `arm` adds binaries for Arm processors where the flavour has them.
+    """
     model = import_module(MODELS[name])
     maker = FLAVOURS[flavour]
     traced = trace(model)
     files = maker.files(model, traced)
+    files["documentation/index.html"] = documentation.page(model, traced)
+    files["model.png"] = documentation.icon(model)
     for preset, values in model.PRESETS.items():
         files[f"resources/presets/{preset}.ssv"] = parameter_set(preset, values)
 
@@ -33,11 +38,11 @@ def build(name: str, flavour: str, dist: Path = DIST) -> Path:
     files["modelDescription.xml"] = describe("")
     guid = "{" + archive.digest(files)[:32] + "}"
     files["modelDescription.xml"] = describe(guid)
-    files.update(maker.binaries(model, files, guid))
+    files.update(maker.binaries(model, files, guid, arm))
     path = dist / flavour / f"{name}.fmu"
     archive.write(path, files)
     return path
 
 
-def build_all(flavours: list[str]) -> list[Path]:
-    return [build(name, flavour) for flavour in flavours for name in MODELS]
+def build_all(flavours: list[str], arm: bool = False) -> list[Path]:
+    return [build(name, flavour, arm=arm) for flavour in flavours for name in MODELS]

@@ -1,5 +1,6 @@
 """A model's C: its traced functions through CasADi's code generator, and its table."""
 import re
+from importlib.metadata import version
 from types import ModuleType
 
 import casadi
@@ -25,34 +26,34 @@ def tangents(trace: Trace) -> list[casadi.Function]:
             casadi.Function("start_tangent", [t, u, p, du, dp], [casadi.densify(start)])]
 
 
-def functions(trace: Trace) -> str:
-    """The functions as C with internal linkage: model_NAME(arg, res), pointers to arguments and results.
+def internal(name: str, body: str) -> str:
+    """CasADi's static function as model_`name`(arg, res), without its optional arguments and work arrays."""
+    body = re.sub(r"^static int casadi_f\d+\(.*?\) \{$",
+                  f"static void model_{name}(const double **arg, double **res)\n{{\n  (void)arg, (void)res;",
+                  body, flags=re.MULTILINE)
+    body = re.sub(r"(arg\[\d+\])\? (\1\[\d+\]) : 0", r"\2", body)
+    return body.replace("if (res[0]!=0) ", "").replace("  return 0;\n", "")
 
-    CasADi writes them for a library of their own, with exported access functions, optional arguments and work
-    arrays; of all that only the bodies are kept.
+
+def functions(trace: Trace) -> str:
+    """The functions as C with internal linkage: void model_NAME(arguments, results).
+
+    CasADi writes them for a library of their own, with exported functions to inquire about them; only the
+    functions themselves and the helpers they call are kept.
     """
     generator = casadi.CodeGenerator("model", {"casadi_real": "double", "casadi_int": "int"})
     kept = [trace.prepare, trace.start, trace.advance, trace.outputs, *tangents(trace)]
     for function in kept:
         generator.add(function)
     text = generator.dump()
-    helpers = text.rpartition("/* Configuration this file")[0].rpartition("#endif\n\ncasadi_real")
+    before = text.partition("/* Configuration this file")[0]
+    _, begins, helpers = before.rpartition("#endif\n\ncasadi_real")
+    helpers = re.sub(r"^casadi_real casadi_", "static double casadi_", begins[8:] + helpers, flags=re.MULTILINE)
     bodies = re.findall(r"^/\* (\w+):[^\n]*\*/\n(static int casadi_f\d+\(.*?^\}\n)", text, re.MULTILINE | re.DOTALL)
-    if [name for name, _ in bodies] != [function.name() for function in kept]:
-        raise RuntimeError(f"CasADi {casadi.__version__} generates C of another shape than {__name__} knows")
-    parts = ["#include <math.h>\n"]
-    if helpers[1]:
-        parts.append(re.sub(r"^casadi_real casadi_", "static double casadi_", "casadi_real" + helpers[2], flags=re.MULTILINE))
-    for name, body in bodies:
-        body = re.sub(r"^static int casadi_f\d+\(.*?\) \{$",
-                      f"static void model_{name}(const double **arg, double **res)\n{{\n"
-                      "  (void)arg, (void)res;", body, flags=re.MULTILINE)
-        body = re.sub(r"  return 0;\n", "", body)
-        body = re.sub(r"(arg\[\d+\])\? (\1\[\d+\]) : 0", r"\2", body)
-        parts.append(re.sub(r"if \(res\[0\]!=0\) ", "", body))
-    code = "\n".join(parts).replace("casadi_real", "double")
-    if re.search(r"\b(arg\[\d+\]\?|iw|w)\b", code):
-        raise RuntimeError(f"CasADi {casadi.__version__} generates C of another shape than {__name__} knows")
+    code = "\n".join(["#include <math.h>\n", helpers, *(internal(*body) for body in bodies)])
+    code = code.replace("casadi_real", "double")
+    if [name for name, _ in bodies] != [f.name() for f in kept] or re.search(r"arg\[\d+\]\?|\b(iw|w|return 1)\b", code):
+        raise RuntimeError(f"CasADi {version('casadi')} generates C of another shape than {__name__} knows")
     return code
 
 

@@ -1,6 +1,7 @@
 """Shared libraries for every platform, made on this machine by ziglang's C compiler."""
 import hashlib
 import os
+import struct
 import subprocess
 import sys
 import tempfile
@@ -55,6 +56,19 @@ def dateless(dll: bytes) -> bytes:
     """`dll` without its date, which zig's linker has no option to leave out."""
     header = int.from_bytes(dll[0x3c:0x40], "little")
     return dll[:header + 8] + bytes(4) + dll[header + 12:]
+
+
+def universal(*libraries: bytes) -> bytes:
+    """One Mach-O file for several processors, of one library for each."""
+    page = 1 << 14
+    at, table, body = page, b"", b""
+    for content in libraries:
+        processor = content[7:3:-1] + content[11:7:-1]  # type and subtype, little-endian there and big-endian here
+        table += processor + struct.pack(">III", at, len(content), 14)
+        body += content + bytes(-len(content) % page)
+        at = page + len(body)
+    head = struct.pack(">II", 0xcafebabe, len(libraries)) + table
+    return head + bytes(page - len(head)) + body
 
 
 def library(name: str, target: str, sources: dict[str, bytes]) -> bytes:

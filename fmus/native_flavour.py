@@ -6,7 +6,7 @@ import fmpy
 
 from .description import Flavour
 from .native_code import sources
-from .native_compiler import library
+from .native_compiler import library, universal
 from .trace import Trace
 
 WRAPPER = Path(__file__).parent / "wrapper"
@@ -15,16 +15,11 @@ HEADERS = Path(fmpy.__file__).parent / "c-code"
 FLAVOUR = Flavour({"canGetAndSetFMUstate": "true", "canSerializeFMUstate": "true",
                    "providesDirectionalDerivative": "true"}, ["all.c"])
 
-# Folder in binaries/ -> (target, suffix). FMI 2.0 has no names for Arm; these are FMI 3.0's. fmpy and others look
-# for linux64 and darwin64 on every processor, so an importer on Arm finds its own name only if it knows FMI 3.0's.
+# Folder in binaries/ -> (target, suffix).
 PLATFORMS = {
     "linux64": ("x86_64-linux-gnu.2.17", ".so"),
     "win64": ("x86_64-windows-gnu", ".dll"),
     "darwin64": ("x86_64-macos", ".dylib"),
-}
-ARM_PLATFORMS = {
-    "aarch64-linux": ("aarch64-linux-gnu.2.17", ".so"),
-    "aarch64-darwin": ("aarch64-macos", ".dylib"),
 }
 
 
@@ -36,11 +31,20 @@ def files(model: ModuleType, trace: Trace) -> dict[str, bytes]:
     return {f"sources/{name}": content for name, content in code.items()}
 
 
-def binaries(model: ModuleType, files: dict[str, bytes], guid: str) -> dict[str, bytes]:
-    """The GUID, which cannot be known before the sources are, and the libraries it is compiled into."""
+def binaries(model: ModuleType, files: dict[str, bytes], guid: str, arm: bool) -> dict[str, bytes]:
+    """The GUID, which cannot be known before the sources are, and the libraries it is compiled into.
+
+    With `arm`, darwin64 is for both processors, so every importer finds it. FMI 2.0 has no name for Arm Linux:
+    its library goes where FMI 3.0 has it, aarch64-linux; importers that look into linux64 on every processor
+    (fmpy 0.3 does) need it moved there.
+    """
     header = f'#define FMU_GUID "{guid}"\n'.encode()
     code = {path.removeprefix("sources/"): content for path, content in files.items() if path.startswith("sources/")}
     code["guid.h"] = header
-    made = {f"binaries/{folder}/{model.NAME}{suffix}": library(model.NAME + suffix, target, code)
+    made = {f"{folder}/{model.NAME}{suffix}": library(model.NAME + suffix, target, code)
             for folder, (target, suffix) in PLATFORMS.items()}
-    return {"sources/guid.h": header, **made}
+    if arm:
+        mac, linux = f"{model.NAME}.dylib", f"{model.NAME}.so"
+        made[f"darwin64/{mac}"] = universal(made[f"darwin64/{mac}"], library(mac, "aarch64-macos", code))
+        made[f"aarch64-linux/{linux}"] = library(linux, "aarch64-linux-gnu.2.17", code)
+    return {"sources/guid.h": header, **{f"binaries/{path}": content for path, content in made.items()}}

@@ -87,8 +87,8 @@ def files(model: ModuleType, trace: Trace) -> dict[str, bytes]:
     return resources(model)
 
 
-def binaries(model: ModuleType, files: dict[str, bytes], guid: str) -> dict[str, bytes]:
-    """pythonfmu's, the same for every model."""
+def binaries(model: ModuleType, files: dict[str, bytes], guid: str, arm: bool) -> dict[str, bytes]:
+    """pythonfmu's, the same for every model; it has none for Arm."""
     folder = PYTHONFMU / "resources" / "binaries"
     return {f"binaries/{path.parent.name}/{model.NAME}{path.suffix}": path.read_bytes()
             for path in folder.rglob("*") if path.suffix in (".so", ".dll", ".dylib")}

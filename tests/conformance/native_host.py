@@ -66,7 +66,8 @@ def wiring(scenario: Unpacked, controller: Unpacked, plant: Unpacked) -> str:
              "SCALES": (scenario, SCALED), "SCALED": (plant, SCALED),
              "MEASURES": (plant, MEASURED), "MEASURED": (controller, MEASURED),
              "ACTIONS": (controller, actions), "ACTUATED": (plant, actions)}
-    lines = [f'#define {fmu.name.removeprefix("Ahv").upper()}_GUID "{fmu.guid}"' for fmu in (scenario, controller, plant)]
+    members = {"SCENARIO": scenario, "CONTROLLER": controller, "PLANT": plant}
+    lines = [f'#define {member}_GUID "{fmu.guid}"' for member, fmu in members.items()]
     lines += [f"#define {name} {initialiser(fmu.references(names))}" for name, (fmu, names) in lists.items()]
     return "\n".join(lines) + "\n"
 

@@ -1,0 +1,116 @@
+"""The page and the icon an FMU carries, made from its model's table and docstrings."""
+import ast
+import inspect
+import struct
+import sys
+import zlib
+from html import escape
+from pathlib import Path
+from types import ModuleType
+
+from .description import dependencies
+from .interface import Variable, computed, names, variables
+from .trace import Trace
+from .units import DEGREES, display_unit
+
+ROOT = Path(__file__).parent.parent
+STYLE = ("body{font:15px sans-serif;max-width:70em;margin:2em auto;padding:0 1em}table{border-collapse:collapse}"
+         "td,th{border:1px solid #ccc;padding:.2em .5em;text-align:left}"
+         "pre{background:#f6f6f6;padding:1em;overflow:auto}")
+RULES = """Inputs are held over a communication step; outputs belong to its end. Values travel in the units of the table
+and nothing converts them; angles travel in rad and are shown in degrees. Parameters may be set until initialisation
+ends, within their limits. A step that would leave an output's limits, or lead to anything that is not a finite number,
+is discarded: the FMU says why, stays at the last communication point, and can be stepped on from there. An input that
+is set to something not finite keeps its old value, and no step is taken until it is set again."""
+
+
+def shown(v: Variable, value: float | bool | None) -> str:
+    """A value of `v` as people read it: angles in degrees."""
+    if value is None or isinstance(value, bool):
+        return "" if value is None else str(value).lower()
+    return f"{value * (DEGREES if display_unit(v.unit) else 1):.6g}"
+
+
+def html_table(head: list[str], rows: list[list[str]]) -> str:
+    def line(cells: list[str], tag: str) -> str:
+        return "<tr>" + "".join(f"<{tag}>{escape(cell)}</{tag}>" for cell in cells) + "</tr>"
+
+    return "\n".join(["<table>", line(head, "th"), *(line(row, "td") for row in rows), "</table>"])
+
+
+def variable_rows(table: list[Variable], *causalities: str) -> list[list[str]]:
+    return [[v.name, str(v.value_reference), display_unit(v.unit) or v.unit or "Boolean", shown(v, v.start),
+             shown(v, v.minimum), shown(v, v.maximum), v.description] for v in table if v.causality in causalities]
+
+
+def equations(model: ModuleType) -> list[ModuleType]:
+    """`model` and the modules of this project that its functions come from, directly or not."""
+    found: list[ModuleType] = []
+    waiting = [model]
+    while waiting:
+        module = waiting.pop(0)
+        if module in found:
+            continue
+        found.append(module)
+        origins = {getattr(value, "__module__", None) or "" for value in vars(module).values()}
+        waiting += [sys.modules[name] for name in sorted(origins)
+                    if name in sys.modules and (ROOT / name.split(".")[0] / "__init__.py").exists()]
+    return found
+
+
+def source(module: ModuleType) -> str:
+    """One module's docstring, and its code folded away."""
+    text = inspect.getsource(module)
+    about = ast.get_docstring(ast.parse(text)) or ""
+    return (f"<h3>{escape(module.__name__)}</h3><pre>{escape(about)}</pre>\n"
+            f"<details><summary>source</summary><pre>{escape(text)}</pre></details>")
+
+
+def page(model: ModuleType, trace: Trace) -> bytes:
+    """documentation/index.html."""
+    table = variables(model.VARIABLES)
+    inputs = names(table, "input")
+    feeds = [[name, ", ".join(inputs[i] for i in columns) or "no input"]
+             for name, columns in zip(computed(table), dependencies(trace)[0])]
+    head = ["name", "reference", "shown in", "start", "min", "max", "meaning"]
+    presets = []
+    for name, values in model.PRESETS.items():
+        by_name = {v.name: v for v in table}
+        rows = [[key, shown(by_name[key], value), display_unit(by_name[key].unit) or by_name[key].unit]
+                for key, value in values.items()]
+        presets.append(f"<details><summary>{escape(name)} (resources/presets/{escape(name)}.ssv)</summary>"
+                       + html_table(["parameter", "value", "unit"], rows) + "</details>")
+    body = "\n".join([
+        f"<h1>{escape(model.NAME)}</h1><p>{escape(model.DESCRIPTION)}</p>",
+        f"<p>{escape(RULES)}</p>",
+        "<h2>Inputs</h2>", html_table(head, variable_rows(table, "input")),
+        "<h2>Outputs</h2>", html_table(head, variable_rows(table, "output", "calculatedParameter")),
+        "<h2>Parameters</h2>", html_table(head, variable_rows(table, "parameter")),
+        "<h2>Presets</h2>", "<p>Sets of parameters, as SSP 1.0 parameter files.</p>", *presets,
+        "<h2>Wiring</h2>",
+        "<p>Connect variables of one name and unit; an input left alone keeps its start value. What an output depends "
+        "on at once decides the order in which components are stepped: one that depends on no input breaks a loop.</p>",
+        html_table(["output", "depends at once on"], feeds),
+        "<h2>Equations</h2>", *(source(module) for module in equations(model))])
+    return (f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><title>{escape(model.NAME)}</title>'
+            f"<style>{STYLE}</style></head>\n<body>\n{body}\n</body></html>\n").encode()
+
+
+def icon(model: ModuleType, size: int = 64) -> bytes:
+    """model.png: a wedge-shaped vehicle on a colour of the model's own."""
+    red, green, blue = (96 + b % 96 for b in zlib.crc32(model.NAME.encode()).to_bytes(4, "big")[:3])
+    rows = bytearray()
+    for y in range(size):
+        rows.append(0)  # no filter
+        for x in range(size):
+            along = (x - 0.1 * size) / (0.8 * size)  # from tail to nose
+            half = 0.16 * size * (1 - along)
+            inside = 0 <= along <= 1 and abs(y - 0.5 * size) <= half
+            rows += bytes((255, 255, 255) if inside else (red, green, blue))
+
+    def chunk(kind: bytes, data: bytes) -> bytes:
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    header = struct.pack(">IIBBBBB", size, size, 8, 2, 0, 0, 0)
+    chunks = chunk(b"IHDR", header), chunk(b"IDAT", zlib.compress(bytes(rows), 9)), chunk(b"IEND", b"")
+    return b"\x89PNG\r\n\x1a\n" + b"".join(chunks)
