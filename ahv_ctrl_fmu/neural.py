@@ -11,9 +11,6 @@ and theta_trim, remembered from the start.
 from collections import namedtuple
 from types import SimpleNamespace
 
-from ahv_plant_fmu.trim import level_trim
-from ahv_plant_fmu.vehicle import COEFFICIENTS
-
 from .differentiator import (
     differentiator_rate,
     differentiator_step,
@@ -22,9 +19,9 @@ from .differentiator import (
     filter_step,
     filter_transition,
 )
+from .interface import gamma_command, limited, start_trim
 
 NODES = 20
-NOMINAL_VEHICLE = SimpleNamespace(**{name: value for name, _, value, _ in COEFFICIENTS})
 
 State = namedtuple("State", "V_ref h_ref V_integral phi_1 chi chi_d e_integral phi_2 elevator theta_trim")
 
@@ -58,11 +55,6 @@ def activation(m, dimensions):
     return total
 
 
-def gamma_command(m, h, V, h_ref, p):
-    """gamma_d of (36), rad; the arcsine's argument is kept within +-0.5 (30 degrees)."""
-    return m.asin(m.clip((-p.k_gamma * (h - h_ref[0]) + h_ref[1]) / V, -0.5, 0.5))
-
-
 def tracked_angle(u, s, p):
     """gamma, moved to where the elevator first acts in the third derivative (c_theta = c_Q = 0: gamma)."""
     return u.gamma + p.c_theta * (u.theta - s.theta_trim) + p.c_Q * u.Q
@@ -76,8 +68,7 @@ def velocity_law(m, s, u, p):
                         (phi_0, p.net1_Phi0_min, p.net1_Phi0_max, p.net1_Phi0_width)))
     network = 0.5 * error * s.phi_1 * hh                                                # (26)
     wanted = (phi_0 - network) / p.kV                                                   # (19)
-    fuel_ratio = m.clip(wanted, p.fuel_ratio_min, p.fuel_ratio_max)
-    saturated = m.either(wanted < p.fuel_ratio_min, wanted > p.fuel_ratio_max)
+    fuel_ratio, saturated = limited(m, wanted, p.fuel_ratio_min, p.fuel_ratio_max)
     return SimpleNamespace(error=error, network=network, fuel_ratio=fuel_ratio, saturated=saturated,
                            growth=0.5 * p.lambda_1 * error * error * hh)                # (27)
 
@@ -109,8 +100,7 @@ def altitude_law(m, s, u, p):
                         (p.direction * delta_0, p.net2_delta0_min, p.net2_delta0_max, p.net2_delta0_width)))
     network, wanted = elevator_wanted(delta_0, E, hh, s.phi_2, p)
     sent = m.where(p.elevator_bandwidth > 0, s.elevator[0], wanted)
-    elevator = m.clip(sent, p.elevator_min, p.elevator_max)
-    saturated = m.either(sent < p.elevator_min, sent > p.elevator_max)
+    elevator, saturated = limited(m, sent, p.elevator_min, p.elevator_max)
     return SimpleNamespace(gamma_d=gamma_d, e0=e0, E=E, delta_0=delta_0, hh=hh, network=network, wanted=wanted,
                            elevator=elevator, saturated=saturated,
                            growth=0.5 * p.lambda_2 * E * E * hh)                        # (57)
@@ -124,10 +114,7 @@ def filter_omega(m, p):
 def start(m, u, p):
     """References, filters and differentiators at rest where the vehicle is, integrals such that the first
     outputs are the trim: the nominal vehicle's at the measured V and h, or the given one."""
-    trim = level_trim(m, u.V, u.h, NOMINAL_VEHICLE)
-    fuel_ratio = m.where(p.solve_trim, trim.fuel_ratio, p.fuel_ratio_trim)
-    elevator = m.where(p.solve_trim, trim.elevator, p.elevator_trim)
-    theta_trim = m.where(p.solve_trim, trim.theta, p.theta_trim)
+    fuel_ratio, elevator, theta_trim = start_trim(m, u, p)
     rest = State(V_ref=[u.V, 0.0], h_ref=[u.h, 0.0], V_integral=-p.kV * fuel_ratio / p.kV2, phi_1=0.0,
                  chi=[0.0] * 4, chi_d=[gamma_command(m, u.h, u.V, [u.h, 0.0], p), 0.0, 0.0, 0.0],
                  e_integral=0.0, phi_2=0.0, elevator=[elevator, 0.0], theta_trim=theta_trim)

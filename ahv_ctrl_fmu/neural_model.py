@@ -1,13 +1,9 @@
 """The neural controller as a component: its table of variables and its presets."""
-from math import pi
-
+from .interface import DEG, PARAMETERS, PORTS, SMALL
 from .neural import advance, outputs, prepare, start  # noqa: F401  (the component's functions)
 
 NAME = "AhvController"
 DESCRIPTION = "Adaptive neural controller of a flexible air-breathing hypersonic vehicle, equations (17)-(67)"
-
-DEG = pi / 180
-SMALL = 1e-6
 
 # The velocity gains keep the feedback of the printed ones and satisfy Theorem 1 (SPEC section 5).
 CALIBRATED = {
@@ -23,40 +19,21 @@ PRINTED = {
 PRESETS = {"calibrated": CALIBRATED, "printed": PRINTED}
 
 # name, causality, unit, start, min, max, nominal, description.
-INTERFACE = [
-    ("V", "input", "ft/s", 7700.0, None, None, 1000.0, "measured velocity"),
-    ("h", "input", "ft", 85000.0, None, None, 1000.0, "measured altitude"),
-    ("gamma", "input", "rad", 0.0, None, None, 0.01, "measured flight-path angle"),
-    ("theta", "input", "rad", 1.6325 * DEG, None, None, 0.01, "measured pitch angle"),
-    ("Q", "input", "rad/s", 0.0, None, None, 0.01, "measured pitch rate"),
-    ("V_command", "input", "ft/s", 7700.0, None, None, 1000.0, "commanded velocity"),
-    ("h_command", "input", "ft", 85000.0, None, None, 1000.0, "commanded altitude"),
-
-    ("fuel_ratio", "output", "1", None, None, None, 1.0, "fuel equivalence ratio Phi, limited"),
-    ("elevator", "output", "rad", None, None, None, 0.1, "elevator deflection, limited"),
-    ("V_reference", "output", "ft/s", None, None, None, 1000.0, "filtered velocity command (67)"),
-    ("h_reference", "output", "ft", None, None, None, 1000.0, "filtered altitude command (67)"),
-    ("V_error", "output", "ft/s", None, None, None, 1.0, "velocity tracking error, measured minus reference"),
-    ("h_error", "output", "ft", None, None, None, 1.0, "altitude tracking error, measured minus reference"),
-    ("gamma_command", "output", "rad", None, None, None, 0.01, "flight-path angle command gamma_d (36)"),
-]
 VARIABLES = [
-    *INTERFACE,
+    *PORTS,
     ("gamma_error", "output", "rad", None, None, None, 0.01, "e0 of (43) on the tracked angle"),
     ("error_function", "output", "rad/s2", None, None, None, 0.01, "estimated error function E^ (48)"),
-    ("phi_hat_1", "output", "1", None, None, None, 1.0, "adapted parameter of the velocity network (27)"),
-    ("phi_hat_2", "output", "1", None, None, None, 1.0, "adapted parameter of the altitude network (57)"),
+    ("phi_hat_1", "output", "1/s", None, None, None, 1.0, "adapted parameter of the velocity network (27)"),
+    ("phi_hat_2", "output", "1/s", None, None, None, 1.0, "adapted parameter of the altitude network (57)"),
     ("network_1", "output", "ft/s2", None, None, None, 1.0, "velocity network signal Phi_1 (26)"),
     ("network_2", "output", "rad/s3", None, None, None, 0.01, "altitude network signal delta_e1 (56)"),
-    ("fuel_ratio_saturated", "output", "", None, None, None, None, "fuel ratio at a limit, its integral frozen"),
-    ("elevator_saturated", "output", "", None, None, None, None, "elevator at a limit, its integral frozen"),
 
     *((name, "parameter", unit, CALIBRATED[name], low, high, None, text) for name, unit, low, high, text in (
         ("kV", "ft/s2", SMALL, None, "velocity control gain kV (19)"),
         ("kV1", "1/s", 0.0, None, "velocity error gain kV1 (19)"),
         ("kV2", "1/s2", SMALL, None, "velocity integral gain kV2 (19)"),
         ("k_gamma", "1/s", 0.0, None, "altitude error gain k_gamma (36)"),
-        ("kh", "rad/s3", SMALL, None, "altitude control gain kh (49)"),
+        ("kh", "1/s3", SMALL, None, "altitude control gain kh (49)"),
         ("kh1", "1/s", SMALL, None, "error function gain kh1 (49)"),
         ("mu", "1/s", SMALL, None, "error polynomial's root mu (43)"),
         ("direction", "1", -1.0, 1.0, "sign of the elevator's effect on the pitch rate; -1 for this vehicle"),
@@ -72,8 +49,8 @@ VARIABLES = [
         ("a4", "1", 0.0, 100.0, "differentiator coefficient a4 (13)"),
         ("elevator_bandwidth", "rad/s", 0.0, 1000.0, "bandwidth of the elevator's structural filter; 0 for none"),
     )),
-    ("lambda_1", "parameter", "1", 0.05, 0.0, None, None, "adaptation gain lambda_1 (27)"),
-    ("lambda_2", "parameter", "1", 0.05, 0.0, None, None, "adaptation gain lambda_2 (57)"),
+    ("lambda_1", "parameter", "1/ft2", 0.05, 0.0, None, None, "adaptation gain lambda_1 (27)"),
+    ("lambda_2", "parameter", "s2/rad2", 0.05, 0.0, None, None, "adaptation gain lambda_2 (57)"),
     *((f"net{k}_{name}_{what}", "parameter", unit, value, low, None, None, f"network {k}: {text} of its input {name}")
       for k, name, unit, bounds in (
           (1, "V", "ft/s", (7700.0, 8700.0, 33.33)),
@@ -84,16 +61,6 @@ VARIABLES = [
           (2, "delta0", "rad/s3", (0.0, 0.35, 0.0117)))
       for what, value, low, text in zip(("min", "max", "width"), bounds, (None, None, SMALL),
                                         ("first centre", "last centre", "width"))),
-    ("fuel_ratio_min", "parameter", "1", 0.05, None, None, None, "lower limit of the fuel ratio"),
-    ("fuel_ratio_max", "parameter", "1", 1.5, None, None, None, "upper limit of the fuel ratio"),
-    ("elevator_min", "parameter", "rad", -20 * DEG, -90 * DEG, 90 * DEG, None, "lower limit of the elevator"),
-    ("elevator_max", "parameter", "rad", 20 * DEG, -90 * DEG, 90 * DEG, None, "upper limit of the elevator"),
     ("elevator_damping", "parameter", "1", 0.7, 0.0, 10.0, None, "damping ratio of the structural filter"),
-    ("reference_omega", "parameter", "rad/s", 0.1, SMALL, 100.0, None, "natural frequency of the reference filters"),
-    ("reference_zeta", "parameter", "1", 0.9, 0.0, 10.0, None, "damping ratio of the reference filters (67)"),
-    ("solve_trim", "parameter", "", True, None, None, None, "start at the nominal trim for the measured V, h"),
-    ("fuel_ratio_trim", "parameter", "1", 0.26703, 0.0, 2.0, None, "fuel ratio at the start, if not solved"),
-    ("elevator_trim", "parameter", "rad", 12.511 * DEG, -90 * DEG, 90 * DEG, None, "elevator at the start, if not solved"),
-    ("theta_trim", "parameter", "rad", 1.6325 * DEG, -90 * DEG, 90 * DEG, None, "pitch angle of trim, if not solved"),
-    ("internal_step", "parameter", "s", 0.005, 1e-5, 0.1, None, "longest internal step"),
+    *PARAMETERS,
 ]
