@@ -13,7 +13,7 @@ app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_
                   help="An air-breathing hypersonic vehicle and its controllers as FMUs, and a master that flies them.")
 
 DIST = Path(__file__).parent.parent / "fmus" / "dist"
-CONTROLLERS = {"neural": "AhvController"}
+CONTROLLERS = {"neural": "AhvController", "backstepping": "AhvBackstepping"}
 FLAVOURS = ("python", "native")
 
 Json = Annotated[bool, typer.Option("--json", help="One JSON object on stdout.")]
@@ -89,7 +89,7 @@ def build(flavour: Annotated[str, typer.Option(help="python, native or all.")] =
 @app.command()
 def run(
     scenario: Annotated[str, typer.Argument(help="case1, case2, hold, or a YAML file.")],
-    controller: Annotated[str, typer.Option(help="neural")] = "neural",
+    controller: Annotated[str, typer.Option(help="neural or backstepping.")] = "neural",
     preset: Annotated[str, typer.Option(help="Of the controller; COMPONENT=NAME,... for others too.")] = "calibrated",
     flavour: Annotated[str, typer.Option(help="python or native.")] = "python",
     step: Annotated[float, typer.Option(help="Communication step, s.")] = 0.01,
@@ -156,7 +156,7 @@ def report(summary: dict[str, Any], as_json: bool) -> None:
     table = Table(show_header=False)
     for key, value in summary.items():
         if isinstance(value, dict):
-            value = ", ".join(f"{k} {v:.4g}" for k, v in value.items())
+            value = ", ".join(f"{k} {v:.4g}" for k, v in value.items() if v is not None)
         table.add_row(key, f"{value:.4g}" if isinstance(value, float) else str(value))
     Console().print(table)
 

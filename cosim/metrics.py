@@ -22,7 +22,7 @@ def metrics(flight: Flight) -> dict[str, Any]:
                          "travel": float(np.abs(np.diff(elevator)).sum())},
         "fuel_ratio": {"min": float(fuel_ratio.min()), "max": float(fuel_ratio.max())},
     }
-    if flight.has("controller.phi_hat_1"):
-        result["phi_hat"] = {"velocity_max": float(flight["controller.phi_hat_1"].max()),
-                             "altitude_max": float(flight["controller.phi_hat_2"].max())}
+    result["phi_hat"] = {key: float(flight[name].max()) if flight.has(name) else None
+                         for key, name in (("velocity_max", "controller.phi_hat_1"),
+                                           ("altitude_max", "controller.phi_hat_2"))}
     return result

@@ -13,6 +13,7 @@ DIST = Path(__file__).parent / "dist"
 MODELS = {
     "AhvPlant": "ahv_plant_fmu.model",
     "AhvController": "ahv_ctrl_fmu.neural_model",
+    "AhvBackstepping": "ahv_ctrl_fmu.backstepping_model",
     "AhvScenario": "cosim.scenario.model",
 }
 FLAVOURS = {"python": python_flavour, "native": native_flavour}

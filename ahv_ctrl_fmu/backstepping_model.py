@@ -1,0 +1,38 @@
+"""The backstepping rival as a component: its table of variables and its presets."""
+from .backstepping import advance, outputs, prepare, start  # noqa: F401  (the component's functions)
+from .interface import PARAMETERS, PORTS, SMALL
+
+NAME = "AhvBackstepping"
+DESCRIPTION = "Backstepping controller with tracking differentiators and disturbance observers, a reconstruction"
+
+CALIBRATED = {
+    "kV1": 2.0, "kV2": 1.0, "observer_V": 4.0, "k_gamma": 0.5, "k_path": 0.8, "k_theta": 2.0, "k_Q": 5.0,
+    "observer_gamma": 1.0, "observer_Q": 4.0, "R_gamma": 10.0, "R_theta": 10.0, "R_Q": 20.0,
+}
+PRESETS = {"calibrated": CALIBRATED}
+
+# name, causality, unit, start, min, max, nominal, description.
+VARIABLES = [
+    *PORTS,
+    ("theta_command", "output", "rad", None, None, None, 0.01, "virtual control theta_d"),
+    ("Q_command", "output", "rad/s", None, None, None, 0.01, "virtual control Q_d"),
+    ("disturbance_V", "output", "ft/s2", None, None, None, 1.0, "estimated disturbance of the velocity"),
+    ("disturbance_gamma", "output", "rad/s", None, None, None, 0.01, "estimated disturbance of the flight-path angle"),
+    ("disturbance_Q", "output", "rad/s2", None, None, None, 0.01, "estimated disturbance of the pitch rate"),
+
+    *((name, "parameter", unit, CALIBRATED[name], low, high, None, text) for name, unit, low, high, text in (
+        ("kV1", "1/s", 0.0, None, "velocity error gain"),
+        ("kV2", "1/s2", 0.0, None, "velocity integral gain"),
+        ("observer_V", "1/s", 0.0, 1000.0, "bandwidth of the velocity's disturbance observer"),
+        ("k_gamma", "1/s", 0.0, None, "altitude error gain (36)"),
+        ("k_path", "1/s", 0.0, None, "flight-path angle error gain"),
+        ("k_theta", "1/s", 0.0, None, "pitch angle error gain"),
+        ("k_Q", "1/s", 0.0, None, "pitch rate error gain"),
+        ("observer_gamma", "1/s", 0.0, 1000.0, "bandwidth of the flight-path angle's disturbance observer"),
+        ("observer_Q", "1/s", 0.0, 1000.0, "bandwidth of the pitch rate's disturbance observer"),
+        ("R_gamma", "1/s", SMALL, 1000.0, "bandwidth of the tracking differentiator on gamma_d"),
+        ("R_theta", "1/s", SMALL, 1000.0, "bandwidth of the tracking differentiator on theta_d"),
+        ("R_Q", "1/s", SMALL, 1000.0, "bandwidth of the tracking differentiator on Q_d"),
+    )),
+    *PARAMETERS,
+]
