@@ -1,20 +1,23 @@
 /* Reading and setting variables, and the derivatives of outputs. */
 
-/* The row that `vr` names, or NULL with a message. */
-static const Variable *row(const Instance *instance, fmi2ValueReference vr, int boolean)
-{
-    if (vr < NV && TABLE[vr].boolean == boolean)
-        return &TABLE[vr];
-    refuse(instance, fmi2Error, "value reference %u is no %s of " MODEL_NAME, (unsigned)vr, boolean ? "Boolean" : "Real");
-    return NULL;
-}
-
 static int arrays_given(const Instance *instance, size_t n, const void *a, const void *b)
 {
     if (n == 0 || (a && b))
         return 1;
     refuse(instance, fmi2Error, "%u variables were announced, but no array of them was given", (unsigned)n);
     return 0;
+}
+
+/* Whether every one of `vr` is a variable of the type asked for. */
+static int known(const Instance *instance, const fmi2ValueReference vr[], size_t nvr, int boolean)
+{
+    for (size_t i = 0; i < nvr; i++)
+        if (vr[i] >= NV || TABLE[vr[i]].boolean != boolean) {
+            refuse(instance, fmi2Error, "value reference %u is no %s of " MODEL_NAME, (unsigned)vr[i],
+                   boolean ? "Boolean" : "Real");
+            return 0;
+        }
+    return 1;
 }
 
 /* Where the value of `v` is kept, or NULL where it cannot be computed. */
@@ -31,11 +34,10 @@ static const double *current(Instance *instance, const Variable *v)
 fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2Real value[])
 {
     Instance *instance = valid(c);
-    if (!instance || !arrays_given(instance, nvr, vr, value))
+    if (!instance || !arrays_given(instance, nvr, vr, value) || !known(instance, vr, nvr, 0))
         return fmi2Error;
     for (size_t i = 0; i < nvr; i++) {
-        const Variable *v = row(instance, vr[i], 0);
-        const double *at = v ? current(instance, v) : NULL;
+        const double *at = current(instance, &TABLE[vr[i]]);
         if (!at)
             return fmi2Error;
         value[i] = *at;
@@ -46,11 +48,10 @@ fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t nv
 fmi2Status fmi2GetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2Boolean value[])
 {
     Instance *instance = valid(c);
-    if (!instance || !arrays_given(instance, nvr, vr, value))
+    if (!instance || !arrays_given(instance, nvr, vr, value) || !known(instance, vr, nvr, 1))
         return fmi2Error;
     for (size_t i = 0; i < nvr; i++) {
-        const Variable *v = row(instance, vr[i], 1);
-        const double *at = v ? current(instance, v) : NULL;
+        const double *at = current(instance, &TABLE[vr[i]]);
         if (!at)
             return fmi2Error;
         value[i] = *at != 0 ? fmi2True : fmi2False;
@@ -100,11 +101,10 @@ fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t nv
 {
     Instance *instance = valid(c);
     fmi2Status status = fmi2OK;
-    if (!instance || !arrays_given(instance, nvr, vr, value))
+    if (!instance || !arrays_given(instance, nvr, vr, value) || !known(instance, vr, nvr, 0))
         return fmi2Error;
     for (size_t i = 0; i < nvr; i++) { /* all or nothing */
-        const Variable *v = row(instance, vr[i], 0);
-        fmi2Status s = v ? settable(instance, v, value[i]) : fmi2Error;
+        fmi2Status s = settable(instance, &TABLE[vr[i]], value[i]);
         if (s != fmi2OK)
             return s;
     }
@@ -117,11 +117,10 @@ fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t nv
 fmi2Status fmi2SetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Boolean value[])
 {
     Instance *instance = valid(c);
-    if (!instance || !arrays_given(instance, nvr, vr, value))
+    if (!instance || !arrays_given(instance, nvr, vr, value) || !known(instance, vr, nvr, 1))
         return fmi2Error;
     for (size_t i = 0; i < nvr; i++) {
-        const Variable *v = row(instance, vr[i], 1);
-        fmi2Status s = v ? settable(instance, v, value[i] != fmi2False) : fmi2Error;
+        fmi2Status s = settable(instance, &TABLE[vr[i]], value[i] != fmi2False);
         if (s != fmi2OK)
             return s;
     }
@@ -193,14 +192,13 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReferenc
     const State *s;
     int starting;
     if (!instance || !arrays_given(instance, nUnknown, vUnknown_ref, dvUnknown) ||
-        !arrays_given(instance, nKnown, vKnown_ref, dvKnown))
+        !arrays_given(instance, nKnown, vKnown_ref, dvKnown) || !known(instance, vUnknown_ref, nUnknown, 0) ||
+        !known(instance, vKnown_ref, nKnown, 0))
         return fmi2Error;
     s = &instance->state;
     starting = s->phase < STEPPING;
     for (size_t i = 0; i < nKnown; i++) {
-        const Variable *v = row(instance, vKnown_ref[i], 0);
-        if (!v)
-            return fmi2Error;
+        const Variable *v = &TABLE[vKnown_ref[i]];
         if (v->causality != INPUT && !(starting && v->causality == PARAMETER))
             return refuse(instance, fmi2Error, "%s is not among the knowns of a directional derivative now", v->name);
         *(v->causality == INPUT ? &du[v->place] : &dp[v->place]) += dvKnown[i];
@@ -210,9 +208,7 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReferenc
     else
         model_tangent((const double *[]){&s->time, s->x, s->u, s->p, du}, (double *[]){dy});
     for (size_t i = 0; i < nUnknown; i++) {
-        const Variable *v = row(instance, vUnknown_ref[i], 0);
-        if (!v)
-            return fmi2Error;
+        const Variable *v = &TABLE[vUnknown_ref[i]];
         if (v->causality == INPUT || v->causality == PARAMETER)
             return refuse(instance, fmi2Error, "%s is not among the unknowns of a directional derivative", v->name);
         dvUnknown[i] = dy[v->place];
