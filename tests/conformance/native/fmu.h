@@ -8,7 +8,9 @@
 
 #include "fmi2FunctionTypes.h"
 
-#ifdef _WIN32
+#ifdef LINKED /* with the FMU's own all.c, where nothing can be loaded at run time */
+#include "fmi2Functions.h"
+#elif defined _WIN32
 #include <windows.h>
 #define OPEN(path) ((void *)LoadLibraryA(path))
 #define SYMBOL(library, name) ((void *)GetProcAddress((HMODULE)(library), name))
@@ -42,6 +44,12 @@ static void fail(const char *what, const char *which)
 static Fmu load(const char *library, const char *guid)
 {
     Fmu fmu;
+#ifdef LINKED
+    (void)library;
+#define X(name) fmu.name = fmi2##name;
+    FUNCTIONS(X)
+#undef X
+#else
     void *handle = OPEN(library), *symbol;
     if (!handle)
         fail("cannot be loaded", library);
@@ -51,6 +59,7 @@ static Fmu load(const char *library, const char *guid)
     memcpy(&fmu.name, &symbol, sizeof symbol);
     FUNCTIONS(X)
 #undef X
+#endif
     fmu.guid = guid;
     return fmu;
 }

@@ -2,7 +2,8 @@
 
    loop SCENARIO CONTROLLER PLANT SECONDS CYCLES: three libraries; CYCLES times instantiate, fly, use every state call,
    free. wiring.h, written from the model descriptions, has the GUIDs and value references.
-   Output is "velocity altitude", then the cost of one step of controller and plant in microseconds. */
+   Output is "velocity altitude", the cost of one step of controller and of plant in microseconds, and the largest
+   memory used in KB. */
 #define _POSIX_C_SOURCE 199309L
 #include <math.h>
 #include <time.h>
@@ -28,6 +29,20 @@ static void move(const Fmu *from, fmi2Component c, const fmi2ValueReference *out
     double values[16];
     ok(from->GetReal(c, out, n, values), "GetReal");
     ok(to->SetReal(d, in, n, values), "SetReal");
+}
+
+/* Largest memory in use so far, KB; 0 where the system does not say. */
+static long peak_memory(void)
+{
+    char line[256];
+    long peak = 0;
+    FILE *status = fopen("/proc/self/status", "r");
+    while (status && fgets(line, sizeof line, status))
+        if (strncmp(line, "VmHWM:", 6) == 0)
+            peak = atol(line + 6);
+    if (status)
+        fclose(status);
+    return peak;
 }
 
 /* Saves, serialises, restores: the state afterwards is the state before. */
@@ -98,6 +113,7 @@ int main(int argc, char **argv)
         }
     }
     double steps = (double)ticks * atof(argv[5]);
-    printf("%.17g %.17g %.4f %.4f\n", result[0], result[1], 1e6 * cost[CONTROLLER] / steps, 1e6 * cost[PLANT] / steps);
+    printf("%.17g %.17g %.4f %.4f %ld\n", result[0], result[1], 1e6 * cost[CONTROLLER] / steps,
+           1e6 * cost[PLANT] / steps, peak_memory());
     return 0;
 }

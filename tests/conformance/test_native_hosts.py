@@ -1,0 +1,144 @@
+"""Native FMUs in plain C: flown, fuzzed, under valgrind and the sanitizers, on other platforms."""
+import os
+import shutil
+import subprocess
+import sys
+
+import pytest
+from native_host import HEADERS, HOSTS, SANITIZE, WARNINGS, Unpacked, host, run, wiring
+from native_loop import Recording, record
+
+LOOP = ["AhvScenario", "AhvController", "AhvPlant"]
+ZIG = (sys.executable, "-m", "ziglang", "cc", "-target")
+NO_PYTHON = {"PATH": "/nonexistent"}
+
+
+@pytest.fixture(scope="module")
+def members(native_fmus, tmp_path_factory):
+    """The three FMUs, unpacked beside a wiring.h."""
+    folder = tmp_path_factory.mktemp("native")
+    unpacked = [Unpacked.of(native_fmus[name], folder) for name in LOOP]
+    (folder / "wiring.h").write_text(wiring(*unpacked))
+    return unpacked
+
+
+@pytest.fixture(scope="module")
+def folder(members):
+    return members[0].folder.parent
+
+
+@pytest.fixture(scope="module")
+def loop(folder):
+    return host("loop", folder)
+
+
+@pytest.fixture(scope="module")
+def reference(python_fmus) -> Recording:
+    """Case 1 flown by the Python flavour."""
+    return record(python_fmus, "case1", 100.0)
+
+
+def replay_file(path, controller: Unpacked, reference: Recording):
+    """What replay.c reads: Case 1 as the controller of the Python flavour saw it, and what it answered."""
+    u, y = reference.controller_inputs, reference.controller_outputs
+    numbers = [reference.step, len(u), len(y), *controller.references(u), *controller.references(y)]
+    rows = zip(*u.values(), *y.values())
+    path.write_text("\n".join([" ".join(map(repr, numbers)), *(" ".join(map(repr, row)) for row in rows)]) + "\n")
+    return path
+
+
+def test_a_c_host_without_python_reproduces_the_reference(members, folder, reference):
+    controller = members[1]
+    record_file = replay_file(folder / "case1.txt", controller, reference)
+    said = run(host("replay", folder), controller.library(), controller.guid, record_file, env=NO_PYTHON)
+    rows, difference = said.split()
+    assert int(rows) == 10001 and float(difference) < 1e-9
+
+
+@pytest.mark.skipif(not shutil.which("valgrind"), reason="no valgrind")
+@pytest.mark.parametrize(("seconds", "cycles"), [(20, 1), (0.05, 100), *(
+    pytest.param(*long, marks=pytest.mark.slow) for long in [(100, 1), (0.1, 1000)])])
+def test_valgrind_has_nothing_to_report(members, loop, seconds, cycles):
+    run("valgrind", "-q", "--error-exitcode=9", "--leak-check=full", loop, *(m.library() for m in members),
+        seconds, cycles)
+
+
+@pytest.fixture(scope="module")
+def sanitized(members, folder):
+    """The loop and its three libraries, made again under the sanitizers."""
+    (folder / "sanitized").mkdir()
+    shutil.copy(folder / "wiring.h", folder / "sanitized")
+    libraries = [m.compiled(folder / "sanitized" / f"{m.name}.so", *SANITIZE) for m in members]
+    return [host("loop", folder / "sanitized", *SANITIZE), *libraries]
+
+
+def test_sanitizers_have_nothing_to_report_in_case_1(sanitized):
+    run(*sanitized, 100, 1)
+
+
+def test_sanitizers_have_nothing_to_report_in_1000_cycles(sanitized):
+    run(*sanitized, 0.1, 1000)
+
+
+def test_memory_does_not_grow_over_the_cycles(members, loop):
+    def peak(cycles: int) -> int:
+        return int(run(loop, *(m.library() for m in members), 0.05, cycles).split()[4])
+
+    assert peak(3000) - peak(100) < 64  # KB
+
+
+@pytest.mark.parametrize(("model", "calls"), [("AhvController", 20_000), ("AhvPlant", 20_000), *(
+    pytest.param(name, 1_000_000, marks=pytest.mark.slow) for name in LOOP)])
+def test_fuzzed_calls_are_refused_and_change_nothing(members, folder, model, calls):
+    sources = members[LOOP.index(model)].folder / "sources"
+    program = folder / f"fuzz_{model}"
+    run("gcc", *WARNINGS, *SANITIZE, f"-I{sources}", "-o", program, HOSTS / "fuzz.c", sources / "all.c", "-lm")
+    said = run(program, 20261122, calls)
+    assert said.startswith(f"{calls} calls")
+
+
+def test_one_step_of_controller_and_plant_takes_microseconds(members, loop):
+    """The budget is 6 us; other work on the machine must not fail the suite, so the best of five counts."""
+    best = min(sum(map(float, run(loop, *(m.library() for m in members), 10, 1).split()[2:4])) for _ in range(5))
+    assert best < 6
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not shutil.which("wine"), reason="no wine64: apt-get install wine64")
+def test_the_same_host_and_fmu_fly_on_windows(members, folder, reference, tmp_path):
+    controller = members[1]
+    record_file = replay_file(tmp_path / "case1.txt", controller, reference)
+    program = host("replay", folder, compiler=(*ZIG, "x86_64-windows-gnu"), suffix=".exe")
+    said = run("wine", program, controller.library("win64", ".dll"), controller.guid, record_file,
+               env={**os.environ, "WINEDEBUG": "-all", "WINEPREFIX": str(tmp_path / "wine")})
+    rows, difference = said.split()
+    assert int(rows) == 10001 and float(difference) < 1e-9
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not shutil.which("qemu-aarch64"), reason="no qemu-user: apt-get install qemu-user")
+def test_the_sources_fly_on_an_arm_processor(members, folder, reference, tmp_path):
+    """Statically linked, with the FMU's own sources, because Debian's Arm libraries are not at hand."""
+    controller = members[1]
+    record_file = replay_file(tmp_path / "case1.txt", controller, reference)
+    program = tmp_path / "replay.arm"
+    sources = controller.folder / "sources"
+    run(*ZIG, "aarch64-linux-musl", *WARNINGS, "-O2", "-ffp-contract=off", "-static", "-DLINKED", f"-I{sources}",
+        f"-I{HEADERS}", "-o", program, HOSTS / "replay.c", sources / "all.c", "-lm")
+    said = run("qemu-aarch64", program, "linked", controller.guid, record_file)
+    rows, difference = said.split()
+    assert int(rows) == 10001 and float(difference) < 1e-9
+
+
+def test_an_importer_can_compile_the_sources_again(native_fmus, tmp_path):
+    copy = tmp_path / "AhvController.fmu"
+    shutil.copy(native_fmus["AhvController"], copy)
+    tools = os.path.dirname(sys.executable)
+    done = subprocess.run([os.path.join(tools, "fmpy"), "compile", str(copy)], capture_output=True, text=True,
+                          env={**os.environ, "PATH": f"{tools}:{os.environ['PATH']}"})
+    assert done.returncode == 0, done.stdout + done.stderr
+    again = Unpacked.of(copy, tmp_path)
+    original = Unpacked.of(native_fmus["AhvController"], tmp_path / "original")
+    assert again.library().read_bytes() != original.library().read_bytes()
+    run(host("replay", tmp_path), again.library(), again.guid, replay_file(
+        tmp_path / "none.txt", again, Recording(0.01, {"V": [7700.0]}, {"V_reference": [7700.0]})))
