@@ -76,6 +76,17 @@ def assemble(fmus: dict[str, Path], presets: dict[str, str], values: dict[str, d
     return closed_loop(components["scenario"], components["controller"], components["plant"])
 
 
+def planned(plan: Any, controller: str, presets: dict[str, str], flavour: str, words: list[str]) -> System:
+    """The closed loop of the scenario `plan`, with --set `words` applied last."""
+    fmus = {"scenario": fmu_path(flavour, "AhvScenario"),
+            "controller": fmu_path(flavour, CONTROLLERS[choice("controller", controller, CONTROLLERS)]),
+            "plant": fmu_path(flavour, "AhvPlant")}
+    values = assignments([f"{name}={value}" for name, value in plan.set.items()])
+    for component, given in assignments(words).items():
+        values.setdefault(component, {}).update(given)
+    return assemble(fmus, presets, values)
+
+
 @app.command()
 def build(flavour: Annotated[str, typer.Option(help="python, native or all.")] = "all") -> None:
     """Write the FMU files to fmus/dist/FLAVOUR/."""
@@ -107,14 +118,8 @@ def run(
     from .results import prepare_folder, write
 
     plan = scenarios.load(scenario)
-    fmus = {"scenario": fmu_path(flavour, "AhvScenario"),
-            "controller": fmu_path(flavour, CONTROLLERS[choice("controller", controller, CONTROLLERS)]),
-            "plant": fmu_path(flavour, "AhvPlant")}
     presets = {**plan.presets, **chosen_presets(preset)}
-    values = assignments([f"{name}={value}" for name, value in plan.set.items()])
-    for component, given in assignments(set_).items():
-        values.setdefault(component, {}).update(given)
-    system = assemble(fmus, presets, values)
+    system = planned(plan, controller, presets, flavour, set_)
     folder = out or Path("results") / plan.name
     prepare_folder(folder)
 
@@ -137,6 +142,47 @@ def run(
     report(summary, as_json)
     if not flight.finished:
         raise RunError(flight.message)
+
+
+@app.command()
+def ssp(
+    scenario: Annotated[str, typer.Argument(help="case1, case2, hold, or a YAML file.")] = "case1",
+    controller: Annotated[str, typer.Option(help="neural or backstepping.")] = "neural",
+    preset: Annotated[str, typer.Option(help="Of the controller; COMPONENT=NAME,... for others too.")] = "calibrated",
+    flavour: Annotated[str, typer.Option(help="python or native.")] = "python",
+    step: Annotated[float, typer.Option(help="Communication step to suggest, s.")] = 0.01,
+    set_: Set = [],  # noqa: B006
+    out: Annotated[Path | None, typer.Option(help="File; else results/SCENARIO.ssp.")] = None,
+) -> None:
+    """Write the closed loop as SSP 1.0, for any tool that reads it."""
+    from . import scenarios
+    from .flight import tick_count
+    from .ssp.write import write
+
+    plan = scenarios.load(scenario)
+    tick_count(step, plan.stop)
+    system = planned(plan, controller, {**plan.presets, **chosen_presets(preset)}, flavour, set_)
+    path = out or Path("results") / f"{plan.name}.ssp"
+    write(path, plan.name, system, step, plan.stop)
+    print(path, file=sys.stderr)
+
+
+@app.command()
+def simulate(
+    file: Annotated[Path, typer.Argument(help="An SSP 1.0 file.")],
+    step: Annotated[float | None, typer.Option(help="Communication step, s; else as the file suggests.")] = None,
+    stop: Annotated[float | None, typer.Option(help="End, s; else as the file suggests.")] = None,
+    algorithm: Annotated[str, typer.Option(help="gauss-seidel or jacobi.")] = "gauss-seidel",
+    out: Annotated[Path | None, typer.Option(help="Folder; else results/FILE.")] = None,
+    as_json: Json = False,
+) -> None:
+    """Fly anybody's system of FMI 2.0 co-simulation FMUs; write signals and run.json."""
+    from .ssp.simulate import simulate as fly_file
+
+    summary, message = fly_file(file, step, stop, algorithm, out)
+    report(summary, as_json)
+    if message:
+        raise RunError(message)
 
 
 def chosen_presets(word: str) -> dict[str, str]:

@@ -1,0 +1,153 @@
+"""An SSP file as a system that the master flies."""
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from ..errors import UsageError
+from ..fmu import FmuFile
+from ..system import Component, Connection, System, Value
+from .archive import unpacked
+from .parameters import Given, bound, inside
+from .structure import Path_, Point, Structure, called, nearest, read, shown
+from .units import Unit, conversion, unit_of_variable
+from .wiring import Tracer
+from .xml import SSD, parse
+
+SSD_FILE = "SystemStructure.ssd"
+
+
+@dataclass(frozen=True)
+class Loaded:
+    """A system with what its file says about an experiment, which may be nothing."""
+    name: str
+    system: System
+    start: float
+    stop: float | None
+    step: float | None
+    sources: dict[str, str]     # component -> its FMU's place in the SSP
+    ignored: list[str]          # parameters that fit no variable
+
+
+@contextmanager
+def loaded(path: Path) -> Iterator[Loaded]:
+    """The system in the SSP file at `path`; its FMUs are unpacked for as long as the context lasts.
+
+    Raises UsageError, one sentence, for what is broken or not supported.
+    """
+    with unpacked(path) as folder:
+        ssd = folder / SSD_FILE
+        if not ssd.is_file():
+            raise UsageError(f"{path} has no {SSD_FILE}: it is not an SSP.")
+        structure = read(parse(ssd.read_bytes(), SSD_FILE, SSD + "SystemStructureDescription"))
+        with ExitStack() as stack:
+            yield assembled(structure, folder, opened(structure, folder, stack))
+
+
+def opened(structure: Structure, folder: Path, stack: ExitStack) -> dict[Path_, FmuFile]:
+    """The FMU of every component, read for what it declares."""
+    files: dict[Path, FmuFile] = {}
+    found = {}
+    for element in structure.components():
+        path = inside(folder, element.source or "", f"The component {shown(element.path)}")
+        if path not in files:
+            files[path] = FmuFile.open(path)
+            stack.callback(files[path].close)
+        found[element.path] = files[path]
+    if not found:
+        raise UsageError("The system has no components.")
+    return found
+
+
+def assembled(structure: Structure, folder: Path, files: dict[Path_, FmuFile]) -> Loaded:
+    check_connectors(structure, files)
+
+    def unit_of(point: Point) -> Unit | None:
+        path, name = point
+        connector = structure.elements[path].connectors.get(name)
+        if connector and connector.unit:
+            return connector.unit
+        if path not in files or name not in files[path].variables:
+            return None
+        return unit_of_variable(files[path].description, files[path].variables[name])
+
+    values, ignored = bound(structure, folder, lambda path, name: name in files[path].variables)
+    tracer = Tracer(structure, unit_of)
+    connections, components, sources = [], [], {}
+    for element in structure.components():
+        path, file = element.path, files[element.path]
+        direct = {name: given for (owner, name), given in values.items() if owner == path}
+        start = {n: plain(given, file, n).in_unit(unit_of((path, n)), called((path, n))) for n, given in direct.items()}
+        for name in (c for c in element.connectors if (path, c) in tracer.incoming):
+            traced = tracer.at((path, name))
+            origin = traced.origin
+            if origin[0] in files:
+                connections.append(Connection(f"{flat(origin[0])}.{origin[1]}", f"{flat(path)}.{name}",
+                                              traced.factor, traced.offset))
+            elif origin in values:
+                value = values[origin].in_unit(unit_of(origin), called(origin))
+                start[name] = through(value, traced.factor, traced.offset)
+        components.append(Component(flat(path), file.path, start))
+        sources[flat(path)] = element.source or ""
+    check_names(components)
+    return Loaded(structure.name, System(tuple(components), tuple(connections)), structure.start or 0.0,
+                  structure.stop or latest(files, "stopTime"), structure.step or earliest(files, "stepSize"),
+                  sources, ignored)
+
+
+def flat(path: Path_) -> str:
+    """The name of a component in the master, where a dot ends it."""
+    return "/".join(path).replace(".", "/")
+
+
+def check_names(components: list[Component]) -> None:
+    names = [c.name for c in components]
+    for name in names:
+        if names.count(name) > 1:
+            raise UsageError(f"Two components are called {name} once nested systems and dots are written with /.")
+
+
+def through(value: Value, factor: float, offset: float) -> Value:
+    return value if (factor, offset) == (1.0, 0.0) else factor * float(value) + offset
+
+
+def plain(given: Given, file: FmuFile, name: str) -> Given:
+    """`given` with an enumeration's item as its number. Raises UsageError if there is no such item."""
+    if given.kind != "Enumeration":
+        return given
+    items = {item.name: int(item.value) for item in getattr(file.variables[name].declaredType, "items", None) or []}
+    if given.value not in items:
+        raise UsageError(f"{name} = {given.value} is not allowed; there are {', '.join(items) or 'no items'}.")
+    return Given(items[str(given.value)], "Integer")
+
+
+def check_connectors(structure: Structure, files: dict[Path_, FmuFile]) -> None:
+    """Every connector of a component is a variable of its FMU, of the type and unit that the SSD says."""
+    for element in structure.components():
+        file = files[element.path]
+        for name, connector in element.connectors.items():
+            if name not in file.variables:
+                raise UsageError(f"{shown(element.path)} has a connector {name}, but {file.path.name} has no such "
+                                 f"variable{nearest(name, file.variables)}")
+            variable = file.variables[name]
+            if connector.type not in (None, variable.type):
+                raise UsageError(f"{called((element.path, name))} is {connector.type} in {SSD_FILE} and "
+                                 f"{variable.type} in {file.path.name}.")
+            own = unit_of_variable(file.description, variable)
+            if own and connector.unit and conversion(own, connector.unit) != (1.0, 0.0):
+                raise UsageError(f"{called((element.path, name))} is in {connector.unit.name} in {SSD_FILE} and in "
+                                 f"{own.name} in {file.path.name}.")
+
+
+def declared(files: dict[Path_, FmuFile], attribute: str) -> list[float]:
+    """What the FMUs' default experiments say about `attribute`."""
+    found = (getattr(file.description.defaultExperiment, attribute, None) for file in files.values())
+    return [float(x) for x in found if x]
+
+
+def latest(files: dict[Path_, FmuFile], attribute: str) -> float | None:
+    return max(declared(files, attribute), default=None)
+
+
+def earliest(files: dict[Path_, FmuFile], attribute: str) -> float | None:
+    return min(declared(files, attribute), default=None)

@@ -1,0 +1,58 @@
+"""Connections through nested systems, with units, as the master's connections between FMUs."""
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from ..errors import UsageError
+from .structure import Link, Point, Structure, called
+from .units import Unit, conversion
+
+UnitOf = Callable[[Point], Unit | None]
+
+
+@dataclass(frozen=True)
+class Traced:
+    """What arrives somewhere: factor * (what leaves `origin`) + offset, in `unit` where that is known."""
+    origin: Point
+    unit: Unit | None
+    factor: float = 1.0
+    offset: float = 0.0
+
+    def through(self, link: Link, end: Unit | None) -> "Traced":
+        """Along a connection that ends in the unit `end`: first the conversion, then the linear transformation."""
+        change = (1.0, 0.0)
+        if link.converts and self.unit and end:
+            found = conversion(self.unit, end)
+            if found is None:
+                raise UsageError(f"The connection from {called(link.start)} to {called(link.end)} cannot convert "
+                                 f"{self.unit.name} to {end.name}.")
+            change = found
+        factor, offset = link.factor * change[0], link.factor * change[1] + link.offset
+        unit = end or (self.unit if link.converts else None)
+        return Traced(self.origin, unit, factor * self.factor, factor * self.offset + offset)
+
+
+@dataclass
+class Tracer:
+    """Follows connections back to where a value comes from: an FMU, or a system's connector that nothing feeds."""
+    structure: Structure
+    unit_of: UnitOf
+    incoming: dict[Point, Link] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        for link in self.structure.links:
+            if link.end in self.incoming:
+                raise UsageError(f"{called(link.end)} has more than one connection.")
+            self.incoming[link.end] = link
+
+    def at(self, point: Point) -> Traced:
+        path: list[Link] = []
+        while point in self.incoming:
+            link = self.incoming[point]
+            if link in path:
+                raise UsageError(f"The connections lead in a circle through {called(point)}.")
+            path.append(link)
+            point = link.start
+        traced = Traced(point, self.unit_of(point))
+        for link in reversed(path):
+            traced = traced.through(link, self.unit_of(link.end))
+        return traced

@@ -1,0 +1,126 @@
+"""Writes a system as SSP 1.0: SystemStructure.ssd, the FMUs, and one parameter set (SSV) for each component.
+
+Beside the standard, so that more tools read it: the prefixes ssd, ssc and ssv, which libcosim and ecos look for
+by those letters; libcosim's annotation of the step; one name for all parameter sets, by which ecos applies them.
+"""
+from collections.abc import Iterable
+from pathlib import Path
+from xml.etree.ElementTree import Element, SubElement, indent, tostring
+
+from ..fmu import FmuFile
+from ..master import open_files
+from ..system import Component, System, Value
+from . import archive
+from .units import BASE, Unit, unit_of_variable
+
+PREFIXES = {
+    "xmlns:ssd": "http://ssp-standard.org/SSP1/SystemStructureDescription",
+    "xmlns:ssc": "http://ssp-standard.org/SSP1/SystemStructureCommon",
+    "xmlns:ssv": "http://ssp-standard.org/SSP1/SystemStructureParameterValues",
+    "xmlns:osp": "http://opensimulationplatform.com/SSP/OSPAnnotations",
+}
+TOOL = "ahv"
+
+
+def write(path: Path, name: str, system: System, step: float, stop: float) -> None:
+    """Write `system` to `path`. The same system gives the same bytes.
+
+    Raises UsageError for values or connections that do not fit the FMUs, or if `path` cannot be written.
+    """
+    with open_files(system) as files:
+        contents = {f"resources/{c.fmu.name}": c.fmu.read_bytes() for c in system.components}
+        for component in system.components:
+            if component.values:
+                contents[parameter_file(component)] = parameter_set(name, component, files[component.name])
+        contents["SystemStructure.ssd"] = description(name, system, files, step, stop)
+    archive.write(path, contents)
+
+
+def parameter_file(component: Component) -> str:
+    return f"resources/{component.name}.ssv"
+
+
+def document(tag: str, prefixes: Iterable[str], name: str) -> Element:
+    return Element(tag, {**{f"xmlns:{p}": PREFIXES[f"xmlns:{p}"] for p in prefixes},
+                         "version": "1.0", "name": name, "generationTool": TOOL})
+
+
+def description(name: str, system: System, files: dict[str, FmuFile], step: float, stop: float) -> bytes:
+    root = document("ssd:SystemStructureDescription", ("ssd", "ssc", "ssv", "osp"), name)
+    parent = SubElement(root, "ssd:System", name=name)
+    elements = SubElement(parent, "ssd:Elements")
+    units: dict[str, Unit] = {}
+    for component in system.components:
+        add_component(elements, component, files[component.name], units)
+    connections = SubElement(parent, "ssd:Connections")
+    for link in system.connections:
+        start, end = link.source.partition("."), link.target.partition(".")
+        connection = SubElement(connections, "ssd:Connection", startElement=start[0], startConnector=start[2],
+                                endElement=end[0], endConnector=end[2])
+        if (link.factor, link.offset) != (1.0, 0.0):
+            SubElement(connection, "ssc:LinearTransformation", factor=repr(link.factor), offset=repr(link.offset))
+    add_units(root, units)
+    add_experiment(root, step, stop)
+    return xml(root)
+
+
+def add_component(parent: Element, component: Component, file: FmuFile, units: dict[str, Unit]) -> None:
+    """A component with all inputs and outputs of its FMU as connectors; their units are added to `units`."""
+    element = SubElement(parent, "ssd:Component", name=component.name, type="application/x-fmu-sharedlibrary",
+                         source=f"resources/{component.fmu.name}", implementation="CoSimulation",
+                         description=file.description.description or "")
+    connectors = SubElement(element, "ssd:Connectors")
+    for variable in file.description.modelVariables:
+        if variable.causality not in ("input", "output"):
+            continue
+        connector = SubElement(connectors, "ssd:Connector", name=variable.name, kind=variable.causality)
+        kind = SubElement(connector, f"ssc:{variable.type}")
+        if variable.type == "Enumeration":
+            kind.set("name", variable.declaredType.name)
+        unit = unit_of_variable(file.description, variable)
+        if unit and unit.exponents:  # SSP knows units by their base units only; else the FMU's own unit holds
+            units[unit.name] = unit
+            kind.set("unit", unit.name)
+    if component.values:
+        bindings = SubElement(element, "ssd:ParameterBindings")
+        SubElement(bindings, "ssd:ParameterBinding", source=parameter_file(component))
+
+
+def add_units(root: Element, units: dict[str, Unit]) -> None:
+    if not units:
+        return
+    parent = SubElement(root, "ssd:Units")
+    for name in sorted(units):
+        unit = units[name]
+        base = {part: str(n) for part, n in zip(BASE, unit.exponents or ()) if n}
+        if unit.factor != 1.0:
+            base["factor"] = repr(unit.factor)
+        if unit.offset != 0.0:
+            base["offset"] = repr(unit.offset)
+        SubElement(SubElement(parent, "ssc:Unit", name=name), "ssc:BaseUnit", base)
+
+
+def add_experiment(root: Element, step: float, stop: float) -> None:
+    experiment = SubElement(root, "ssd:DefaultExperiment", startTime="0.0", stopTime=repr(float(stop)))
+    parent = SubElement(experiment, "ssd:Annotations")
+    annotation = SubElement(parent, "ssc:Annotation", type="com.opensimulationplatform")
+    SubElement(SubElement(annotation, "osp:Algorithm"), "osp:FixedStepAlgorithm", baseStepSize=repr(float(step)))
+
+
+def parameter_set(name: str, component: Component, file: FmuFile) -> bytes:
+    root = document("ssv:ParameterSet", ("ssv",), name)
+    parent = SubElement(root, "ssv:Parameters")
+    for key, given in component.values.items():
+        value = file.checked(key, given, component.name)
+        kind = {"Enumeration": "Integer"}.get(file.variables[key].type, file.variables[key].type)
+        SubElement(SubElement(parent, "ssv:Parameter", name=key), f"ssv:{kind}", value=text(value))
+    return xml(root)
+
+
+def text(value: Value) -> str:
+    return str(value).lower() if isinstance(value, bool) else str(value)
+
+
+def xml(root: Element) -> bytes:
+    indent(root)
+    return b'<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root, encoding="utf-8") + b"\n"

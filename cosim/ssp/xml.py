@@ -1,0 +1,77 @@
+"""The XML files of an SSP, parsed with suspicion and validated against the standard's schemas."""
+import re
+from functools import cache
+from pathlib import Path
+from typing import Any
+from xml.parsers import expat
+
+import fmpy
+from lxml import etree
+
+from ..errors import UsageError
+
+SSD, SSC, SSV, SSM = (f"{{http://ssp-standard.org/SSP1/SystemStructure{part}}}"
+                      for part in ("Description", "Common", "ParameterValues", "ParameterMapping"))
+OSP = "{http://opensimulationplatform.com/SSP/OSPAnnotations}"
+
+# Root element -> (schema, what it is).
+DOCUMENTS = {
+    SSD + "SystemStructureDescription": ("SystemStructureDescription.xsd", "system structure description"),
+    SSV + "ParameterSet": ("SystemStructureParameterValues.xsd", "parameter set"),
+    SSM + "ParameterMapping": ("SystemStructureParameterMapping.xsd", "parameter mapping"),
+}
+LARGEST = 100_000_000  # bytes of one XML file
+Node = Any             # an lxml element
+
+
+@cache
+def schema(name: str) -> Any:
+    return etree.XMLSchema(etree.parse(str(Path(fmpy.__file__).parent / "ssp" / "schema" / name)))
+
+
+def parse(data: bytes, where: str, root: str) -> Node:
+    """The root element of the document `data`, which must be a valid `root` (a key of DOCUMENTS).
+
+    `where` names the document in messages. Raises UsageError.
+    """
+    if len(data) > LARGEST:
+        raise UsageError(f"{where} is larger than {LARGEST // 1_000_000} MB.")
+    refuse_document_type(data, where)
+    try:
+        node = etree.fromstring(data, etree.XMLParser(resolve_entities=False, no_network=True, remove_comments=True))
+    except etree.XMLSyntaxError as error:
+        raise UsageError(f"{where} is not well-formed XML: {error}.") from None
+    return valid(node, where, root)
+
+
+def valid(node: Node, where: str, root: str) -> Node:
+    """`node` itself. Raises UsageError unless it is a valid `root`."""
+    schema_name, kind = DOCUMENTS[root]
+    if node.tag != root:
+        raise UsageError(f"{where} is not an SSP 1.0 {kind}: its root element is {short(node.tag)}.")
+    version = node.get("version", "1.0")
+    if not version.startswith("1."):
+        raise UsageError(f"{where} is an SSP {version} {kind}; SSP 1.0 is what runs here.")
+    checker = schema(schema_name)
+    if not checker.validate(node):
+        first = checker.error_log[0]
+        raise UsageError(f"{where}, line {first.line}, is not a valid SSP 1.0 {kind}: {short(first.message)}")
+    return node
+
+
+def refuse_document_type(data: bytes, where: str) -> None:
+    """No SSP needs a document type; entities that grow without bound are declared in one."""
+    def refuse(*_: Any) -> None:
+        raise UsageError(f"{where} declares a document type (DOCTYPE), which no file of an SSP needs; it is not read.")
+
+    reader = expat.ParserCreate()
+    reader.StartDoctypeDeclHandler = refuse
+    try:
+        reader.Parse(data, True)
+    except (expat.ExpatError, ValueError) as error:
+        raise UsageError(f"{where} is not well-formed XML: {error}.") from None
+
+
+def short(text: str) -> str:
+    """`text` on one line, without the namespaces of its elements."""
+    return re.sub(r"\{[^}]*\}", "", " ".join(text.split()))
