@@ -102,7 +102,7 @@ def run(
     scenario: Annotated[str, typer.Argument(help="case1, case2, hold, or a YAML file.")],
     controller: Annotated[str, typer.Option(help="neural or backstepping.")] = "neural",
     preset: Annotated[str, typer.Option(help="Of the controller; COMPONENT=NAME,... for others too.")] = "calibrated",
-    flavour: Annotated[str, typer.Option(help="python or native.")] = "python",
+    flavour: Annotated[str, typer.Option(help="native or python.")] = "native",
     step: Annotated[float, typer.Option(help="Communication step, s.")] = 0.01,
     stop: Annotated[float | None, typer.Option(help="End, s; else the scenario's.")] = None,
     algorithm: Annotated[str, typer.Option(help="gauss-seidel or jacobi.")] = "gauss-seidel",
@@ -149,7 +149,7 @@ def ssp(
     scenario: Annotated[str, typer.Argument(help="case1, case2, hold, or a YAML file.")] = "case1",
     controller: Annotated[str, typer.Option(help="neural or backstepping.")] = "neural",
     preset: Annotated[str, typer.Option(help="Of the controller; COMPONENT=NAME,... for others too.")] = "calibrated",
-    flavour: Annotated[str, typer.Option(help="python or native.")] = "python",
+    flavour: Annotated[str, typer.Option(help="native or python.")] = "native",
     step: Annotated[float, typer.Option(help="Communication step to suggest, s.")] = 0.01,
     set_: Set = [],  # noqa: B006
     out: Annotated[Path | None, typer.Option(help="File; else results/SCENARIO.ssp.")] = None,
@@ -211,7 +211,7 @@ def report(summary: dict[str, Any], as_json: bool) -> None:
 def trim(
     V: Annotated[float, typer.Option("--V", help="Velocity, ft/s.")] = 7700.0,
     h: Annotated[float, typer.Option("--h", help="Altitude, ft.")] = 85000.0,
-    flavour: Annotated[str, typer.Option(help="python or native.")] = "python",
+    flavour: Annotated[str, typer.Option(help="native or python.")] = "native",
     as_json: Json = False,
 ) -> None:
     """Level flight as the plant FMU solves it."""
