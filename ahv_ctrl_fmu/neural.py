@@ -48,11 +48,8 @@ def activation(m, dimensions):
         a = a + offset * offset
         b = b + offset * stride
         c = c + stride * stride
-    b = 2 * b
-    total = 0.0
-    for j in range(NODES):
-        total = total + m.exp((b - c * j) * j - a)
-    return total
+    b, exp = 2 * b, m.exp
+    return sum([exp((b - c * j) * j - a) for j in range(NODES)])
 
 
 def tracked_angle(u, s, p):
