@@ -1,9 +1,11 @@
 /* Saving, restoring and serialising the state of an instance. A saved state and its serialised form are the same
    bytes; they belong to this very build of the FMU, on processors of one byte order. */
 
+static const char GUID[40] = FMU_GUID; /* a multiple of 8 bytes, so that there is no padding after it */
+
 typedef struct {
     uint64_t magic, size, checksum; /* of the state; only computed where it leaves the process */
-    char guid[sizeof FMU_GUID <= 40 ? 40 : -1];
+    char guid[sizeof GUID];
     State state;
 } Saved;
 
@@ -21,7 +23,7 @@ static uint64_t checksum(const State *state)
 
 static Saved *ours(Saved *saved)
 {
-    return saved && saved->magic == SAVED_MAGIC && saved->size == sizeof *saved && strcmp(saved->guid, FMU_GUID) == 0
+    return saved && saved->magic == SAVED_MAGIC && saved->size == sizeof *saved && memcmp(saved->guid, GUID, sizeof GUID) == 0
                ? saved : NULL;
 }
 
@@ -35,7 +37,7 @@ static Saved *new_saved(const Instance *instance)
     memset(saved, 0, sizeof *saved);
     saved->magic = SAVED_MAGIC;
     saved->size = sizeof *saved;
-    strcpy(saved->guid, FMU_GUID);
+    memcpy(saved->guid, GUID, sizeof GUID);
     return saved;
 }
 
@@ -126,7 +128,6 @@ fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte serializedSta
     if (!serializedState || !FMUstate || size != sizeof given)
         return foreign(instance);
     memcpy(&given, serializedState, sizeof given);
-    given.guid[sizeof given.guid - 1] = 0;
     if (!ours(&given) || given.checksum != checksum(&given.state))
         return foreign(instance);
     if (*FMUstate && !ours(*FMUstate))

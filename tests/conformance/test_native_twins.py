@@ -25,7 +25,7 @@ def test_both_flavours_declare_the_same(python_fmus, native_fmus, name):
         assert python.variables.keys() == native.variables.keys()
         for variable, twin in zip(python.variables.values(), native.variables.values()):
             assert [getattr(variable, key) for key in TABLE] == [getattr(twin, key) for key in TABLE]
-        assert python.description.outputs is not None and len(python.description.outputs) == len(native.description.outputs)
+        assert len(python.description.outputs) == len(native.description.outputs)
 
 
 @pytest.mark.parametrize("case", ["case1", "case2"])
