@@ -23,7 +23,7 @@ class BadArchive(Exception):
     """The archive cannot be unpacked safely; `rule` names the conformance rule that it breaks."""
 
     def __init__(self, rule: str, sentence: str) -> None:
-        super().__init__(sentence)
+        super().__init__("".join(c if c.isprintable() else "?" for c in sentence))
         self.rule = rule
 
 

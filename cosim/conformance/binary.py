@@ -123,6 +123,8 @@ def _mach_slice(data: bytes, base: int) -> tuple[str, frozenset[str]]:
     names = set()
     for _ in range(commands):
         command, size = struct.unpack_from("<II", data, at)
+        if size < 8:
+            raise ValueError(f"a load command of {size} bytes")
         if command == 2:  # LC_SYMTAB
             symbols, count, strings, _ = struct.unpack_from("<IIII", data, at + 8)
             for i in range(count):

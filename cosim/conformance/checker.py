@@ -16,7 +16,7 @@ from cosim.conformance import (  # noqa: F401  (the rules_* modules register the
 )
 from cosim.conformance.archive import BadArchive, safe_extract
 from cosim.conformance.context import Fmu, Unusable, read
-from cosim.conformance.report import Report
+from cosim.conformance.report import Finding, Report
 from cosim.conformance.rules import STATIC_CHECKS, Fault
 
 TIME_LIMIT = 30.0  # seconds for a single call of the FMU
@@ -55,7 +55,13 @@ def _dynamic(fmu: Fmu, report: Report, work: Path, run_probes: bool, time_limit:
         report.skip("everything dynamic", "not asked for")
     elif fmu.description.co_simulation is None:
         report.skip("everything dynamic", "the FMU is not for co-simulation")
-    elif any(f.rule in ("xml.schema", "binary.format", "binary.exports") for f in report.findings):
+    elif any(_prevents_running(finding) for finding in report.findings):
         report.skip("everything dynamic", "the description or the binary is too broken to run the FMU by it")
     else:
         dynamic.run(fmu, report, work, time_limit, cycles)
+
+
+def _prevents_running(finding: Finding) -> bool:
+    this_binary = f"binaries/{dynamic.host_platform()}"
+    is_broken = finding.rule in ("binary.format", "binary.exports") and finding.variable == this_binary
+    return is_broken or finding.rule == "xml.schema"

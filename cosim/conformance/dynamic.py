@@ -32,6 +32,7 @@ _FLAGS = (
     "canHandleVariableCommunicationStepSize",
     "canInterpolateInputs",
     "canRunAsynchronuously",
+    "needsExecutionTool",
     "canBeInstantiatedOnlyOncePerProcess",
     "canGetAndSetFMUstate",
     "canSerializeFMUstate",
@@ -140,7 +141,9 @@ def _one_child(job: Job, report: Report, work: Path, time_limit: float) -> int:
             child.wait()
     begun, ended = _take_results(files[1], report)
     if len(begun) > len(ended):
-        _judge_death(report, begun[-1], stopped, child.returncode, Mark.read(files[2])[1], work, time_limit)
+        _judge_death(
+            report, job, begun[-1], stopped or _death(child.returncode), Mark.read(files[2])[1], work, time_limit
+        )
     return len(begun)
 
 
@@ -183,21 +186,20 @@ def _take_results(results: Path, report: Report) -> tuple[list[str], list[str]]:
     return begun, ended
 
 
-def _judge_death(
-    report: Report, probe: str, stopped: str, returncode: int, call: str, work: Path, time_limit: float
-) -> None:
+def _judge_death(report: Report, job: Job, probe: str, death: str, call: str, work: Path, time_limit: float) -> None:
     """A probe began and did not end: say why. A crash after an illegal call is no error: the master began it."""
     severity = None if PROBES[probe].legal else WARNING
-    if stopped == "slow":
+    if death == "slow":
         report.skip(probe, f"slow: not finished within {_SLOW * time_limit:g} s")
-    elif stopped == "hang":
+    elif death == "hang":
         found = f"{call} did not return within {time_limit:g} s (probe '{probe}')"
         report.add("dynamic.hang", Fault(call, found, "a status, in time"), severity)
-    elif probe == "load" and returncode > 0:
+    elif probe == "load" and death.startswith("exit"):
         lines = (work / "stderr.txt").read_text("utf-8", "replace").strip().splitlines()
-        report.add("dynamic.load", Fault("binaries", lines[-1] if lines else "no reason given", "a library that loads"))
+        fault = Fault("binaries", lines[-1] if lines else "no reason given", "a library that loads")
+        report.add("dynamic.load", fault, WARNING if job.claims.get("needsExecutionTool") else None)
     else:
-        found = f"{call} ended the process with {_death(returncode)} (probe '{probe}')"
+        found = f"{call} ended the process with {death} (probe '{probe}')"
         if not any((f.rule, f.variable) == ("dynamic.crash", call) for f in report.findings):
             report.add("dynamic.crash", Fault(call, found, "a status"), severity)
 

@@ -10,6 +10,7 @@ import ctypes
 import mmap
 import os
 import struct
+from collections import Counter
 from collections.abc import Sequence
 from ctypes import POINTER, byref, c_char_p, c_double, c_int, c_size_t, c_uint, c_void_p
 from pathlib import Path
@@ -101,10 +102,10 @@ class Library:
 
     def instantiate(self, name: str, guid: str, resources: str, logging_on: bool = False) -> Instance | None:
         """fmi2Instantiate (2.1.5); None when the FMU returned a null pointer."""
-        messages: list[tuple[int, str]] = []
+        messages: Counter[tuple[int, str]] = Counter()
 
         def logger(_env: Any, _name: Any, status: int, category: bytes | None, _message: Any) -> None:
-            messages.append((status, (category or b"").decode("utf-8", "replace")))
+            messages[status, (category or b"").decode("utf-8", "replace")] += 1
 
         callbacks = _Callbacks(_LOGGER(logger), self._allocate, self._free, None, None)
         self._mark.set("fmi2Instantiate")
@@ -131,9 +132,9 @@ class Library:
 
 
 class Instance:
-    """One instance: `call("Terminate")` and the like return the status as a number; `messages` is what it logged."""
+    """One instance: `call("Terminate")` and the like return the status; `messages` counts what it logged."""
 
-    def __init__(self, library: Library, component: int, callbacks: Any, messages: list[tuple[int, str]]) -> None:
+    def __init__(self, library: Library, component: int, callbacks: Any, messages: Counter[tuple[int, str]]) -> None:
         self._library, self._component, self._callbacks = library, component, callbacks
         self.messages = messages
 

@@ -45,7 +45,7 @@ class Report:
     def add(self, rule: str, fault: Fault, severity: str | None = None) -> None:
         """Note a breach of `rule`; a probe may state a milder `severity` than the rule's own."""
         known = RULES[rule]
-        self.findings.append(Finding(rule, known.section, severity or known.severity, *fault))
+        self.findings.append(Finding(rule, known.section, severity or known.severity, *map(printable, fault)))
 
     def skip(self, what: str, why: str) -> None:
         """Note that `what` was not tested."""
@@ -63,6 +63,11 @@ class Report:
     def sorted_findings(self) -> list[Finding]:
         """Errors first, then warnings, then notes; within a severity in the order they were found."""
         return sorted(self.findings, key=lambda f: SEVERITIES.index(f.severity))
+
+
+def printable(text: str) -> str:
+    """Names come from strangers: line feeds and control characters are shown, not obeyed."""
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
 
 
 def to_dict(report: Report) -> dict[str, Any]:

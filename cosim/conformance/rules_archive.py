@@ -71,7 +71,7 @@ def unique_members(fmu: Fmu) -> Iterator[Fault]:
 
 @static("archive.entries", "2.3", NOTE, "The archive's root holds what section 2.3 names.")
 def entries(fmu: Fmu) -> Iterator[Fault]:
-    tops = {name.split("/")[0] for name in fmu.members}
+    tops = {name.replace("\\", "/").split("/")[0] for name in fmu.members}
     for name in sorted(tops - _KNOWN_ENTRIES):
         yield Fault(name, "an entry that the specification does not name", "resources/ for whatever the FMU needs")
 

@@ -36,7 +36,7 @@ DYNAMIC_RULES = tuple(
         ("output-derivatives", "4.2.1", ERROR, "Derivatives of outputs can be read where they are claimed."),
         ("log-off", "2.1.5", NOTE, "Nothing but problems is logged when logging is off."),
         ("log-category", "2.2.4", WARNING, "Messages have one of the listed log categories."),
-        ("memory", "2.1.5", WARNING, "fmi2FreeInstance frees all memory."),
+        ("memory", "2.1.5", WARNING, "Neither lives of an instance nor steps need ever more memory."),
         ("handles", "2.1.5", WARNING, "fmi2FreeInstance closes all files."),
         ("guid", "2.1.5", NOTE, "fmi2Instantiate refuses another GUID."),
         ("call-order", "4.2.4", NOTE, "Calls that the state machine does not allow are refused."),

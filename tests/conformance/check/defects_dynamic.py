@@ -57,6 +57,7 @@ DEFECTS = tuple(
         ("log-off", "LOG_OFF", "messages though logging is off"),
         ("log-category", "LOG_CATEGORY", "messages of a category that is not listed"),
         ("memory", "LEAK", "20 kB stay behind with each instance"),
+        ("memory", "STEP_LEAK", "1 kB stays behind with each step"),
         ("handles", "HANDLE_LEAK", "an open file stays behind with each instance"),
         ("guid", "ANY_GUID", "any GUID is taken"),
         ("call-order", "ORDER", "calls in the wrong mode are done"),

@@ -78,6 +78,7 @@ DEFECTS: tuple[Defect, ...] = (
     _swap("header.model-identifier", "a blank", 'modelIdentifier="Fixture"', 'modelIdentifier="Fix ture"'),
     _swap("header.model-identifier", "a word of C", 'modelIdentifier="Fixture"', 'modelIdentifier="double"'),
     _swap("header.serialize-needs-state", "bytes without state", 'canGetAndSetFMUstate="true"', ""),
+    _edit("header.interpolate-needs-input", "nothing to interpolate", "u", '"continuous"', '"discrete"'),
     # 2.2.2: units
     _before("unit.unique", "a unit twice", _LAST_UNIT, '<Unit name="s"><BaseUnit s="1"/></Unit>'),
     _before("unit.display-unique", "a display unit twice", '<DisplayUnit name="cm"', '<DisplayUnit name="km"/>'),

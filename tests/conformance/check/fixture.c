@@ -16,6 +16,11 @@
 #include "fmi2Functions.h"
 #include "defect.h" /* written by the tests: one macro of each defect, 0 or 1 */
 
+#ifdef PREFIXED /* as it should be in source code, and must not be in a shared library (2.3) */
+#undef fmi2DoStep
+#define fmi2DoStep Fixture_fmi2DoStep
+#endif
+
 #define BUG(NAME) DEFECT_##NAME
 #define GUID "{8c4e810f-3df3-4a00-8276-176fa3c9f001}"
 
@@ -281,6 +286,7 @@ fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t 
     return fmi2OK;
 }
 
+#ifndef NO_STATE_FUNCTIONS
 fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *state) {
     Fmu *copy = malloc(sizeof(Fmu));
     *copy = *(Fmu *)c;
@@ -328,6 +334,8 @@ fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte data[], size_
     return fmi2OK;
 }
 
+#endif
+
 fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference unknown[], size_t m,
                                         const fmi2ValueReference known[], size_t n, const fmi2Real dk[],
                                         fmi2Real du[]) {
@@ -368,12 +376,14 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real h, fmi2Boolean no
     if (f->stop_defined && !BUG(PAST_STOP) && time + h > stop) return refuse(f, "beyond the stop time");
     if (BUG(FIXED_STEP) && fabs(h - 0.01) > 1e-9) return refuse(f, "only steps of 0.01");
     if (BUG(STEP_CRASHES) && f->d.i[COUNT] == 3) abort();
+    if (BUG(SLOW)) usleep(20000);
     if (BUG(STEP_HANGS) && f->d.i[COUNT] == 3) sleep(1000);
     if (BUG(STEP_FAILS) && f->d.i[COUNT] == 3) return refuse(f, "defect");
     if (BUG(STEP_DISCARDS) && f->d.i[COUNT] == 3) return fmi2Discard;
     if (BUG(STEP_PENDING) && f->d.i[COUNT] == 3) return fmi2Pending;
     if (BUG(SHARED) && instances > 1 && last_stepped != f) f->d.hidden += 1.0;
     last_stepped = f;
+    if (BUG(STEP_LEAK)) memset(malloc(1000), 1, 1000);
     calculate(f);
     f->d.hidden += h * f->d.r[X];
     f->d.r[X] += h * f->d.r[DER_X];

@@ -1,0 +1,64 @@
+"""Each single-defect FMU: exactly the rule that it breaks is reported, with all that a finding must say."""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+
+import pytest
+from check_cases import ARCHIVE, CASES, DYNAMIC, STATIC, Case
+
+from cosim.conformance import check
+from cosim.conformance.checker import check as _loaded  # noqa: F401  (registers all rules)
+from cosim.conformance.report import Report
+from cosim.conformance.rules import RULES
+
+# Crashes after a master's mistake, and a discarded step, are no clear breach.
+MILDER = {
+    "dynamic.crash: a call in the wrong mode aborts",
+    "dynamic.crash: a negative step aborts",
+    "dynamic.legal-call: fmi2DoStep discards a step",
+}
+
+
+def _assert_only(case: Case, report: Report) -> None:
+    assert {f.rule for f in report.findings} == {case.rule}, [f"{f.rule}: {f.found}" for f in report.findings]
+    for finding in report.findings:
+        assert finding.section == RULES[case.rule].section
+        assert finding.variable and finding.found and finding.expected
+        assert "\n" not in finding.found
+    worst = report.sorted_findings()[0].severity
+    assert worst == ("warning" if str(case) in MILDER else RULES[case.rule].severity)
+
+
+@pytest.mark.parametrize("case", STATIC, ids=str)
+def test_static_defect_breaks_one_rule(case: Case, tmp_path: Path) -> None:
+    _assert_only(case, check(case.build(tmp_path / "Fixture.fmu"), dynamic=False))
+
+
+@pytest.mark.parametrize("case", DYNAMIC, ids=str)
+def test_dynamic_defect_breaks_one_rule(case: Case, tmp_path: Path) -> None:
+    report = check(case.build(tmp_path / "Fixture.fmu"), time_limit=3.0, cycles=200)
+    _assert_only(case, report)
+
+
+@pytest.mark.parametrize("case", ARCHIVE, ids=str)
+def test_bad_file_is_one_clear_finding_and_leaves_nothing(
+    case: Case, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file = case.build(tmp_path / "Fixture.fmu")
+    temporary = tmp_path / "a" / "b" / "temporary"
+    temporary.mkdir(parents=True)
+    monkeypatch.setattr(tempfile, "tempdir", str(temporary))
+    before = sorted(tmp_path.rglob("*"))
+    _assert_only(case, check(file, dynamic=False))
+    assert sorted(tmp_path.rglob("*")) == before
+    assert not Path("/outside.txt").exists()
+
+
+def test_every_rule_has_a_defect() -> None:
+    assert sorted({case.rule for case in CASES}) == sorted(RULES)
+
+
+def test_there_are_at_least_sixty_distinct_defects() -> None:
+    assert len({str(case) for case in CASES}) == len(CASES) >= 60
