@@ -17,6 +17,8 @@ CONTROLLERS = {"neural": "AhvController", "backstepping": "AhvBackstepping"}
 FLAVOURS = ("python", "native")
 
 Json = Annotated[bool, typer.Option("--json", help="One JSON object on stdout.")]
+Algorithm = Annotated[str, typer.Option(metavar="NAME[,OPTION=VALUE]...", help="gauss-seidel, jacobi, multi-rate, "
+                                        "variable or iterated; such as multi-rate,controller=5,hold=linear.")]
 Set = Annotated[list[str], typer.Option("--set", metavar="COMPONENT.VARIABLE=VALUE", help="May be repeated.")]
 
 
@@ -105,7 +107,8 @@ def run(
     flavour: Annotated[str, typer.Option(help="native or python.")] = "native",
     step: Annotated[float, typer.Option(help="Communication step, s.")] = 0.01,
     stop: Annotated[float | None, typer.Option(help="End, s; else the scenario's.")] = None,
-    algorithm: Annotated[str, typer.Option(help="gauss-seidel or jacobi.")] = "gauss-seidel",
+    algorithm: Algorithm = "gauss-seidel",
+    plain: Annotated[bool, typer.Option("--plain", help="Tick in plain Python, not in compiled code.")] = False,
     set_: Set = [],  # noqa: B006  (typer wants a list)
     decimate: Annotated[int, typer.Option(help="Write every N-th tick.", min=1)] = 1,
     out: Annotated[Path | None, typer.Option(help="Folder; else results/SCENARIO.")] = None,
@@ -126,8 +129,8 @@ def run(
     end = plan.stop if stop is None else stop
     bar, progress = progress_bar(f"{plan.name}", end)
     with bar:
-        flight = fly(system, step, end, algorithm, progress)
-    ticks = len(flight.time) - 1
+        flight = fly(system, step, end, algorithm, progress, plain=plain)
+    ticks = flight.ticks
     summary = {
         "scenario": plan.name, "controller": controller, "preset": presets["controller"], "flavour": flavour,
         "algorithm": algorithm, "step_s": step, "stop_s": end, "ticks": ticks, "finished": flight.finished,
@@ -172,7 +175,7 @@ def simulate(
     file: Annotated[Path, typer.Argument(help="An SSP 1.0 file.")],
     step: Annotated[float | None, typer.Option(help="Communication step, s; else as the file suggests.")] = None,
     stop: Annotated[float | None, typer.Option(help="End, s; else as the file suggests.")] = None,
-    algorithm: Annotated[str, typer.Option(help="gauss-seidel or jacobi.")] = "gauss-seidel",
+    algorithm: Algorithm = "gauss-seidel",
     out: Annotated[Path | None, typer.Option(help="Folder; else results/FILE.")] = None,
     as_json: Json = False,
 ) -> None:
@@ -235,3 +238,30 @@ def trim(
         file.close()
     report({"V_fps": V, "h_ft": h, "theta_deg": degrees(theta), "eta1": eta1, "eta2": eta2,
             "fuel_ratio": fuel_ratio, "elevator_deg": degrees(elevator), "residual": residual}, as_json)
+
+
+@app.command()
+def check(
+    fmus: Annotated[list[Path], typer.Argument(metavar="FMU...", help="FMI 2.0 co-simulation FMUs, anybody's.")],
+    dynamic: Annotated[bool, typer.Option(help="Also run the FMU, in child processes.")] = True,
+    time_limit: Annotated[float, typer.Option(help="Seconds that one call of the FMU may take.")] = 30.0,
+    as_json: Json = False,
+) -> None:
+    """Check FMUs against FMI 2.0: their files, and what they do when they run."""
+    from .conformance import check as examine
+    from .conformance.report import findings_table, not_tested_table, to_dict
+
+    missing = [str(path) for path in fmus if not path.is_file()]
+    if missing:
+        raise UsageError(f"There is no file {', '.join(missing)}.")
+    reports = [examine(path, dynamic, time_limit) for path in fmus]
+    if as_json:
+        print(json.dumps({"passed": all(r.passed for r in reports), "fmus": [to_dict(r) for r in reports]}))
+    else:
+        from rich.console import Console
+
+        for one in reports:
+            Console().print(findings_table(one), not_tested_table(one))
+    failed = [one.fmu.name for one in reports if not one.passed]
+    if failed:
+        raise RunError(f"{', '.join(failed)} breaks FMI 2.0.")
