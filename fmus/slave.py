@@ -2,7 +2,7 @@
 
 Travels inside every FMU of the Python flavour.
 """
-from math import ceil, degrees, isfinite
+from math import ceil, degrees, inf, isfinite
 from types import ModuleType, SimpleNamespace
 
 from pythonfmu.enums import Fmi2Status
@@ -51,7 +51,7 @@ class ModelSlave(Fmi2Slave):
         self.bounded = [v for v in self.computed if v.minimum is not None or v.maximum is not None]
         self.has_internal_step = "internal_step" in names(table, "parameter")
         self.x = []
-        self.time = 0.0
+        self.time, self.stop_time = 0.0, inf
         self.phase = "instantiated"
         self.stale = True
         self.refused = {}
@@ -134,13 +134,21 @@ class ModelSlave(Fmi2Slave):
 
     # --- life cycle -------------------------------------------------------------------------------
 
-    def setup_experiment(self, start_time, *_):
+    def allow(self, call, phase):
+        if self.phase != phase:
+            raise RuntimeError(f"{call} is not allowed while {self.model.NAME} is {self.phase}")
+
+    def setup_experiment(self, start_time, stop_time=None, tolerance=None):
+        self.allow("fmi2SetupExperiment", "instantiated")
         self.time = start_time
+        self.stop_time = inf if stop_time is None else stop_time
 
     def enter_initialization_mode(self):
+        self.allow("fmi2EnterInitializationMode", "instantiated")
         self.phase = "initialising"
 
     def exit_initialization_mode(self):
+        self.allow("fmi2ExitInitializationMode", "initialising")
         if self.refused:
             raise ValueError(next(iter(self.refused.values())))
         self.initialise()
@@ -189,6 +197,9 @@ class ModelSlave(Fmi2Slave):
             return self.discard(f"communication step {step_size} s is not a positive number", current_time)
         if self.refused:
             return self.discard(next(iter(self.refused.values())), current_time)
+        if current_time + step_size > self.stop_time + 1e-6 * step_size:  # the importer may have summed up its steps
+            return self.discard(f"a step of {step_size:.6g} s would go past the stop time {self.stop_time:.6g} s",
+                                current_time)
         prepared = self.prepared
         if prepared is None or prepared[0] != step_size:
             prepared = self.prepare(step_size)
@@ -210,13 +221,14 @@ class ModelSlave(Fmi2Slave):
 
     def _get_fmu_state(self):
         return {"x": list(self.x), "u": dict(vars(self.u)), "p": dict(vars(self.p)), "time": self.time,
-                "values": list(self.values.values()), "phase": self.phase, "stale": self.stale,
+                "stop_time": self.stop_time, "values": list(self.values.values()), "phase": self.phase, "stale": self.stale,
                 "refused": dict(self.refused)}
 
     def _set_fmu_state(self, state):
         self.x = list(state["x"])
         self.u, self.p = SimpleNamespace(**state["u"]), SimpleNamespace(**state["p"])
         self.values = dict(enumerate(state["values"]))
-        self.time, self.phase, self.stale = state["time"], state["phase"], state["stale"]
+        self.time, self.stop_time = state["time"], state["stop_time"]
+        self.phase, self.stale = state["phase"], state["stale"]
         self.refused = dict(state["refused"])
         self.prepared = None

@@ -124,3 +124,13 @@ def test_a_step_that_is_not_positive_is_refused(fmu, length):
 def test_a_fixed_parameter_cannot_be_set_after_initialisation(python_fmus):
     with running(python_fmus["AhvPlant"]) as plant, pytest.raises(RunError, match="mass is fixed"):
         plant.set({"mass": 310.0})
+
+
+def test_no_step_goes_past_the_stop_time(fmu):
+    with running(fmu) as instance, pytest.raises(RunError, match="would go past the stop time 1000 s"):
+        step(instance, 999.995, 0.01)
+
+
+def test_calls_out_of_order_are_refused(fmu):
+    with running(fmu) as instance, pytest.raises(RunError, match="not allowed while .* is stepping"):
+        instance.simple("fmi2EnterInitializationMode")
