@@ -1,13 +1,13 @@
 """Scenario, controller and plant flown through fmpy alone, without this project's master."""
 import shutil
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import fmpy
 from fmpy.fmi2 import FMU2Slave
 
 import cosim.scenario.model as scenario
-from fmus.build import MODELS
 
 COMMANDS = ["V_command", "h_command"]
 SCALES = ["scale_thrust", "scale_lift", "scale_drag", "scale_moment", "scale_forces"]
@@ -62,10 +62,11 @@ class Loaded:
         self.slave.exitInitializationMode()
 
 
-def record(fmus: dict[str, Path], case: str, seconds: float, step: float = 0.01) -> Recording:
-    """Fly `case` in Gauss-Seidel order, scenario, controller, plant, and keep every signal of every tick."""
-    assert set(fmus) >= set(MODELS)
-    with Loaded(fmus["AhvScenario"]) as s, Loaded(fmus["AhvController"]) as c, Loaded(fmus["AhvPlant"]) as p:
+@cache
+def record(fmus: Path, case: str, seconds: float = 100.0, step: float = 0.01) -> Recording:
+    """Fly `case` with the FMUs in a folder, in Gauss-Seidel order, and keep every signal of every tick."""
+    paths = [fmus / f"{name}.fmu" for name in ("AhvScenario", "AhvController", "AhvPlant")]
+    with Loaded(paths[0]) as s, Loaded(paths[1]) as c, Loaded(paths[2]) as p:
         for member in (s, c, p):
             member.begin()
         s.set(**scenario.PRESETS[case])

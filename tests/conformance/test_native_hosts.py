@@ -35,7 +35,7 @@ def loop(folder):
 @pytest.fixture(scope="module")
 def reference(python_fmus) -> Recording:
     """Case 1 flown by the Python flavour."""
-    return record(python_fmus, "case1", 100.0)
+    return record(python_fmus["AhvPlant"].parent, "case1")
 
 
 def replay_file(path, controller: Unpacked, reference: Recording):
