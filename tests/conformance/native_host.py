@@ -1,10 +1,14 @@
 """Builds the C hosts in `native/` against the native FMUs, for the tests that fly them without Python."""
+import os
 import subprocess
+import sys
 import zipfile
 from dataclasses import dataclass
 from pathlib import Path
 
 import fmpy
+
+from fmus.native_compiler import ZIG_CACHE
 
 HOSTS = Path(__file__).parent / "native"
 HEADERS = Path(fmpy.__file__).parent / "c-code"
@@ -72,9 +76,14 @@ def wiring(scenario: Unpacked, controller: Unpacked, plant: Unpacked) -> str:
     return "\n".join(lines) + "\n"
 
 
-def host(name: str, folder: Path, *flags: str, compiler=("gcc",), suffix: str = "") -> Path:
+def zig(target: str, *arguments) -> None:
+    """The compiler for other platforms; it keeps its cache where the build does."""
+    caches = {"ZIG_GLOBAL_CACHE_DIR": str(ZIG_CACHE), "ZIG_LOCAL_CACHE_DIR": str(ZIG_CACHE)}
+    run(sys.executable, "-m", "ziglang", "cc", "-target", target, *STRICT, *arguments, env={**os.environ, **caches})
+
+
+def host(name: str, folder: Path, *flags: str) -> Path:
     """Compile `native/name`.c; headers it needs besides FMI's are looked for in `folder`."""
-    path = folder / (name + suffix)
-    run(*compiler, *STRICT, *flags, f"-I{HEADERS}", f"-I{folder}", "-o", path, HOSTS / f"{name}.c", "-lm",
-        *([] if suffix else ["-ldl"]))
+    path = folder / name
+    run("gcc", *STRICT, *flags, f"-I{HEADERS}", f"-I{folder}", "-o", path, HOSTS / f"{name}.c", "-lm", "-ldl")
     return path

@@ -5,11 +5,10 @@ import subprocess
 import sys
 
 import pytest
-from native_host import HEADERS, HOSTS, SANITIZE, WARNINGS, Unpacked, host, run, wiring
+from native_host import HEADERS, HOSTS, SANITIZE, WARNINGS, Unpacked, host, run, wiring, zig
 from native_loop import Recording, record
 
 LOOP = ["AhvScenario", "AhvController", "AhvPlant"]
-ZIG = (sys.executable, "-m", "ziglang", "cc", "-target")
 NO_PYTHON = {"PATH": "/nonexistent"}
 
 
@@ -105,10 +104,11 @@ def test_one_step_of_controller_and_plant_takes_microseconds(members, loop):
 
 @pytest.mark.slow
 @pytest.mark.skipif(not shutil.which("wine"), reason="no wine64: apt-get install wine64")
-def test_the_same_host_and_fmu_fly_on_windows(members, folder, reference, tmp_path):
+def test_the_same_host_and_fmu_fly_on_windows(members, reference, tmp_path):
     controller = members[1]
     record_file = replay_file(tmp_path / "case1.txt", controller, reference)
-    program = host("replay", folder, compiler=(*ZIG, "x86_64-windows-gnu"), suffix=".exe")
+    program = tmp_path / "replay.exe"
+    zig("x86_64-windows-gnu", f"-I{HEADERS}", "-o", program, HOSTS / "replay.c")
     said = run("wine", program, controller.library("win64", ".dll"), controller.guid, record_file,
                env={**os.environ, "WINEDEBUG": "-all", "WINEPREFIX": str(tmp_path / "wine")})
     rows, difference = said.split()
@@ -117,14 +117,14 @@ def test_the_same_host_and_fmu_fly_on_windows(members, folder, reference, tmp_pa
 
 @pytest.mark.slow
 @pytest.mark.skipif(not shutil.which("qemu-aarch64"), reason="no qemu-user: apt-get install qemu-user")
-def test_the_sources_fly_on_an_arm_processor(members, folder, reference, tmp_path):
+def test_the_sources_fly_on_an_arm_processor(members, reference, tmp_path):
     """Statically linked, with the FMU's own sources, because Debian's Arm libraries are not at hand."""
     controller = members[1]
     record_file = replay_file(tmp_path / "case1.txt", controller, reference)
     program = tmp_path / "replay.arm"
     sources = controller.folder / "sources"
-    run(*ZIG, "aarch64-linux-musl", *WARNINGS, "-O2", "-ffp-contract=off", "-static", "-DLINKED", f"-I{sources}",
-        f"-I{HEADERS}", "-o", program, HOSTS / "replay.c", sources / "all.c", "-lm")
+    zig("aarch64-linux-musl", "-static", "-DLINKED", f"-I{sources}", "-o", program, HOSTS / "replay.c",
+        sources / "all.c", "-lm")
     said = run("qemu-aarch64", program, "linked", controller.guid, record_file)
     rows, difference = said.split()
     assert int(rows) == 10001 and float(difference) < 1e-9

@@ -21,7 +21,7 @@ int main(int argc, char **argv)
 {
     fmi2ValueReference in[MOST], out[MOST];
     double u[MOST], y[MOST], found[MOST], step, worst = 0;
-    unsigned n_in, n_out;
+    unsigned n_in = 0, n_out = 0;
     long rows = 0;
     FILE *file = argc == 4 ? fopen(argv[3], "r") : NULL;
     if (!file || fscanf(file, "%lf %u %u", &step, &n_in, &n_out) != 3 || n_in > MOST || n_out > MOST)
