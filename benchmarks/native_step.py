@@ -35,8 +35,6 @@ def write_kernel(model, guid: str, folder: Path) -> None:
         generator.add(function)
     generator.generate(f"{folder}/")
     (folder / "kernel.h").rename(folder / "functions.h")
-    text = (folder / "kernel.c").read_text()
-    (folder / "kernel.c").write_text(text)
     starts = {v.name: float(v.start) for v in table if v.start is not None}
     groups = {key: ", ".join(repr(starts[v.name]) for v in table if v.causality == causality)
               for key, causality in (("U", "input"), ("P", "parameter"))}
