@@ -1,23 +1,32 @@
-"""Flies a system from start to stop and keeps every tick."""
+"""Flies a system from start to stop and keeps what it showed."""
+import signal
 import sys
+import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from .algorithms import Method, method
+from .algorithms.parts import Plan
 from .errors import RunError, UsageError
-from .master import ALGORITHMS, Master, Signal, open_files
+from .fmu import Instance
+from .master import Master, Signal, open_files
+from .pace import Pace
+from .recording import CHUNK_ROWS, Recorder, Stream
 from .system import System
 
-CHUNK_S = 0.2  # wall time between two signs of life
+CHUNK_S = 0.1  # wall time between two looks at the world
 Progress = Callable[[float], None]
 
 
 @dataclass
 class Flight:
-    """What a run left: one row of `signals` per tick that was completed, the first at the start time."""
+    """What a run left: one row of `signals` per recorded tick that was completed, the first at the start time."""
     time: np.ndarray                 # (rows,), s
     signals: np.ndarray              # (rows, columns)
     columns: list[Signal]
@@ -27,6 +36,8 @@ class Flight:
     wall_s: float                    # ticking
     parameters: dict[str, dict[str, Any]]
     fmus: dict[str, dict[str, str]]
+    ticks: int = 0                   # steps that were taken
+    lateness: dict[str, float] | None = None   # of a paced run
 
     def __getitem__(self, name: str) -> np.ndarray:
         """The column called `component.variable`, shape (rows,)."""
@@ -46,60 +57,109 @@ def tick_count(step: float, stop: float) -> int:
     return count
 
 
-def fly(system: System, step: float, stop: float, algorithm: str = "gauss-seidel",
-        progress: Progress | None = None) -> Flight:
+def fly(system: System, step: float, stop: float, algorithm: str | Method = "gauss-seidel",
+        progress: Progress | None = None, *, record: list[str] | None = None, decimate: int = 1,
+        plain: bool = False, real_time: float | None = None, stream: Path | None = None) -> Flight:
     """Fly `system` from 0 to `stop` (s) in communication steps of `step` (s).
 
+    `algorithm` is a word as in `algorithms.method`. `record` picks the variables to keep, by component.variable with *
+    for any (None: all numeric outputs), `decimate` every how many ticks; `stream` is a Parquet file to
+    write them to as they come, and then memory keeps a part only. `plain` takes the tick loop in Python. `real_time`
+    paces the run, times that factor.
+
     An FMU that refuses a step ends the run early: what was flown is in the result, `finished` is false
-    and `message` names the FMU, the time and its reason. So does Ctrl-C.
+    and `message` names the FMU, the call, the time and its reason. So does Ctrl-C.
 
     Raises UsageError before anything flies if the system or the numbers do not fit; RunError if the
     FMUs cannot be started.
     """
-    if algorithm not in ALGORITHMS:
-        raise UsageError(f"--algorithm {algorithm} is not known; there are {', '.join(ALGORITHMS)}.")
-    ticks, tick = tick_count(step, stop), ALGORITHMS[algorithm]
+    chosen = algorithm if isinstance(algorithm, Method) else method(algorithm)
+    ticks = tick_count(step, stop)
     began = time.perf_counter()
     with open_files(system) as files:
-        master = Master(system, files)
+        master = Master(system, files, record, plain, decimate > 1)
         try:
-            master.initialise(0.0, stop)
-            rows = np.empty((ticks + 1, len(master.columns)))
-            rows[0] = master.signals
-            parameters = {m.instance.name: inquire(m) for m in master.members}
-            startup = time.perf_counter() - began
-            done, message = 0, ""
-            began = last = time.perf_counter()
-            try:
-                for done in range(ticks):
-                    tick(master, done * step, step)
-                    rows[done + 1] = master.signals
-                    if progress and (now := time.perf_counter()) - last > CHUNK_S:
-                        last = now
-                        progress((done + 1) * step)
-                done = ticks
-            except RunError as error:
-                message = str(error)
-            except KeyboardInterrupt:
-                message = f"Interrupted at t = {done * step:.6g} s."
-            wall = time.perf_counter() - began
+            return fly_loaded(master, chosen, step, ticks, progress, decimate, real_time, stream, began)
         finally:
             master.close()
-        fmus = {c.name: {"file": str(c.fmu), "model": files[c.name].description.modelName,
-                         "guid": files[c.name].description.guid, "sha256": files[c.name].sha256,
-                         "generation_tool": files[c.name].description.generationTool or ""}
-                for c in system.components}
-    return Flight(time=np.arange(done + 1) * step, signals=rows[:done + 1], columns=master.columns,
-                  finished=not message, message=message, startup_s=startup, wall_s=wall,
-                  parameters=parameters, fmus=fmus)
 
 
-def inquire(member: Any) -> dict[str, Any]:
+def fly_loaded(master: Master, chosen: Method, step: float, ticks: int, progress: Progress | None = None,
+               decimate: int = 1, real_time: float | None = None, stream: Path | None = None,
+               began: float | None = None) -> Flight:
+    """The same with FMUs that are loaded, or were reset (`Master.reset`)."""
+    began = time.perf_counter() if began is None else began
+    recorder = Recorder(master.columns) if stream is None else Stream(master.columns, stream)
+    plan = Plan(0.0, step, ticks, recorder, decimate)
+    try:
+        flier = chosen.algorithm(master, chosen.options, plan)
+        master.initialise(0.0, plan.stop)
+        recorder.add(0.0, master.row())
+        parameters = {i.name: inquire(i) for i in master.instances}
+    except BaseException:
+        recorder.abandon()
+        raise
+    startup = time.perf_counter() - began
+    pace = Pace(real_time, step) if real_time else None
+    began = time.perf_counter()
+    message = ascend(flier, plan, progress, pace)
+    wall = time.perf_counter() - began
+    times, rows = recorder.finish()
+    return Flight(time=times, signals=rows, columns=master.columns, finished=not message, message=message,
+                  startup_s=startup, wall_s=wall, parameters=parameters, fmus=origins(master),
+                  ticks=flier.ticks, lateness=pace.report() if pace else None)
+
+
+def ascend(flier: Any, plan: Plan, progress: Progress | None, pace: Pace | None) -> str:
+    """Advance to the stop in chunks of about CHUNK_S; why it ended early, or an empty text."""
+    most, limit = 16, CHUNK_ROWS * plan.decimate
+    with interruptions() as interrupted:
+        try:
+            while not flier.done:
+                if interrupted:
+                    return f"Interrupted at t = {flier.time:.6g} s."
+                if pace:
+                    pace.wait(flier.time, interrupted)
+                chunk = time.perf_counter()
+                flier.advance(1 if pace else most)
+                took = time.perf_counter() - chunk
+                most = max(1, min(int(most * min(4.0, CHUNK_S / max(took, 1e-9))), limit))
+                if progress:
+                    progress(flier.time)
+        except RunError as error:
+            return str(error)
+    return ""
+
+
+@contextmanager
+def interruptions() -> Iterator[list[int]]:
+    """Ctrl-C and SIGTERM as entries of a list, so that no FMU is torn out of a call; a Python FMU would take the
+    exception for its own failure."""
+    caught: list[int] = []
+    if threading.current_thread() is not threading.main_thread():
+        yield caught
+        return
+    previous = {s: signal.signal(s, lambda number, _: caught.append(number)) for s in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield caught
+    finally:
+        for number, handler in previous.items():
+            signal.signal(number, handler)
+
+
+def inquire(instance: Instance) -> dict[str, Any]:
     """All parameters of a component with the values it flies with."""
-    file = member.instance.file
+    file = instance.file
     names = [n for causality in ("parameter", "calculatedParameter") for n in file.names(causality)
              if file.variables[n].type != "String"]
-    return dict(zip(names, member.instance.get(names)))
+    return dict(zip(names, instance.get(names)))
+
+
+def origins(master: Master) -> dict[str, dict[str, str]]:
+    """Which FMU files flew."""
+    return {c.name: {"file": str(c.fmu), "model": file.description.modelName or "", "guid": file.description.guid or "",
+                     "sha256": file.sha256, "generation_tool": file.description.generationTool or ""}
+            for c in master.system.components for file in [master.files[c.name]]}
 
 
 def progress_bar(title: str, stop: float) -> tuple[Any, Progress | None]:

@@ -24,6 +24,7 @@ from fmpy.fmi2 import (
 from fmpy.logging import addLoggerProxy
 from fmpy.model_description import ModelDescription, ScalarVariable
 
+from . import watch
 from .errors import RunError, UsageError
 from .system import Value
 
@@ -32,6 +33,7 @@ STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
 SSV = "{http://ssp-standard.org/SSP1/SystemStructureParameterValues}"
 CTYPES = {"Real": ctypes.c_double, "Integer": ctypes.c_int, "Boolean": ctypes.c_int, "Enumeration": ctypes.c_int}
 SUFFIX = {"Real": "Real", "Integer": "Integer", "Enumeration": "Integer", "Boolean": "Boolean"}
+CALL_SUFFIX = {**SUFFIX, "String": "String"}
 
 MESSAGES: dict[str, list[str]] = {}  # instance name -> what it said that is worse than OK
 MOST_MESSAGES = 1000
@@ -154,18 +156,22 @@ class Instance:
     """
 
     def __init__(self, file: FmuFile, name: str):
-        self.file, self.name, self.alive = file, name, True
+        self.file, self.name = file, name
+        self.alive, self.stepping, self.failed = True, False, False
         self.messages = MESSAGES[name] = []
         description = file.description
         assert description.coSimulation is not None
+        self.cosimulation = description.coSimulation
+        watch.note(f"{name} ({file.path.name}): fmi2Instantiate")
         try:
             self.slave = FMU2Slave(guid=description.guid, unzipDirectory=str(file.folder), instanceName=name,
-                                   modelIdentifier=description.coSimulation.modelIdentifier)
+                                   modelIdentifier=self.cosimulation.modelIdentifier)
             self.slave.instantiate(callbacks=CALLBACKS, loggingOn=True)
         except Exception as error:
             said = f" It said: {self.messages[-1]}" if self.messages else ""
             raise RunError(f"{name} ({file.path.name}) cannot be instantiated: {error}{said}") from error
         self.component = ctypes.c_void_p(self.slave.component)
+        self.pointer = int(self.slave.component)
         self.do_step = self._function("fmi2DoStep", ctypes.c_double, ctypes.c_double, ctypes.c_int)
 
     def _function(self, name: str, *argument_types: Any) -> Any:
@@ -173,6 +179,13 @@ class Instance:
         function.argtypes = [ctypes.c_void_p, *argument_types]
         function.restype = ctypes.c_int
         return function
+
+    def address(self, name: str) -> int:
+        """Where the function called `name` is. Raises RunError if the FMU's library has none."""
+        try:
+            return ctypes.cast(self.slave.dll[name], ctypes.c_void_p).value or 0
+        except AttributeError:
+            raise RunError(f"{self.name} ({self.file.path.name}) claims {name}, and its library lacks it.") from None
 
     def accessor(self, verb: str, kind: str) -> Any:
         """The raw fmi2Get.../fmi2Set... function of a variable type."""
@@ -182,7 +195,7 @@ class Instance:
         """Raise RunError unless `status` is OK or Warning, with what the FMU said about it."""
         if status <= WARNING:
             return
-        self.alive = status != FATAL
+        self.alive, self.failed = status != FATAL, status >= ERROR
         when = "" if time is None else f" at t = {time:.6g} s"
         said = self.messages[-1] if self.messages else "and gave no reason"
         raise RunError(f"{self.name} ({self.file.path.name}) answered {STATUS[status]} to {call}{when}: {said}")
@@ -199,6 +212,7 @@ class Instance:
             references = np.array([self.file.variables[n].valueReference for n in group], dtype=np.uint32)
             buffer = np.zeros(len(group), dtype=np.float64 if kind == "Real" else np.int32)
             buffer[:] = [given[n] for n in group] if given else 0
+            watch.note(f"{self.name} ({self.file.path.name}): fmi2{verb}{SUFFIX[kind]}")
             status = self.accessor(verb, kind)(self.component, references.ctypes.data, len(group), buffer.ctypes.data)
             self.check(status, f"fmi2{verb}{SUFFIX[kind]}({', '.join(group[:3])}{', ...' if group[3:] else ''})")
             result.update(zip(group, (bool(x) for x in buffer) if kind == "Boolean" else buffer.tolist()))
@@ -208,12 +222,27 @@ class Instance:
         """Values of the variables called `names` (strings are left out)."""
         return self._transfer("Get", names, None)
 
+    def get_any(self, names: list[str]) -> list[Any]:
+        """Values of variables of any type, strings too."""
+        texts = [n for n in names if self.file.variable(n).type == "String"]
+        found = dict(zip(texts, self.slave.getString([self.file.variables[n].valueReference for n in texts]))
+                     if texts else ())
+        found = {n: x.decode("utf-8", "replace") if isinstance(x, bytes) else x for n, x in found.items()}
+        numbers = [n for n in names if n not in found]
+        found.update(zip(numbers, self.get(numbers)))
+        return [found[n] for n in names]
+
+    def free_state(self, place: int) -> None:
+        """fmi2FreeFMUstate of the state whose pointer is at the address `place`."""
+        self._function("fmi2FreeFMUstate", ctypes.c_void_p)(self.component, place)
+
     def set(self, values: dict[str, Value]) -> None:
         """Set variables by name; values must have been through `FmuFile.checked`."""
         strings = {n: str(x) for n, x in values.items() if self.file.variable(n).type == "String"}
         if strings:
             self.slave.setString([self.file.variables[n].valueReference for n in strings], list(strings.values()))
-        self._transfer("Set", values, values.values())
+        numbers = {n: x for n, x in values.items() if n not in strings}
+        self._transfer("Set", numbers, numbers.values())
 
     def setup(self, start: float, stop: float) -> None:
         flag = ctypes.c_int
@@ -222,11 +251,20 @@ class Instance:
 
     def simple(self, call: str) -> None:
         """Make a call that takes nothing but the instance, such as fmi2EnterInitializationMode."""
+        watch.note(f"{self.name} ({self.file.path.name}): {call}")
         self.check(self._function(call)(self.component), call)
+        self.stepping = {"fmi2ExitInitializationMode": True, "fmi2Reset": False}.get(call, self.stepping)
+        self.failed = self.failed and call != "fmi2Reset"
 
     def close(self) -> None:
-        """Terminate and free, unless it answered Fatal: then no call is allowed any more."""
+        """Terminate where the standard allows it, and free; after Fatal no call is allowed any more."""
         if self.alive:
-            self._function("fmi2Terminate")(self.component)
-            self.slave.freeInstance()
+            if self.stepping and not self.failed:
+                self._function("fmi2Terminate")(self.component)
+            self.slave.fmi2FreeInstance(self.slave.component)
+            if hasattr(self.slave.dll, "finalizePythonInterpreter"):
+                # pythonfmu 0.7.0 does this as its library goes, after its static objects: a write to freed memory that
+                # can abort the process at its end. Done before, it finds nothing to do. The interpreter stays: it is ours.
+                self.slave.dll.finalizePythonInterpreter()
+            self.slave.freeLibrary()
         self.alive = False

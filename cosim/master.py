@@ -1,198 +1,159 @@
-"""The master: loads a system's FMUs, initialises them together, steps them, keeps what they say.
+"""The master: a system's FMUs loaded, wired and initialised, and programs carried out on them.
 
-All numbers of a run live in one flat vector, `signals`: every output of every component, as doubles.
-A component's inputs are gathered from it, so a connection is a pair of indices.
+The algorithms (`algorithms`) say what to do on a tick, as programs; `flight` flies from start to stop.
 """
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
-from .errors import RunError, UsageError
+from . import program as P
+from .errors import RunError
 from .fmu import FmuFile, Instance
-from .system import System
+from .initialise import initialise
+from .system import System, Value
+from .wiring import LONGEST_TEXT, Signal, Wirer, checked_connections, picked
 
-NUMERIC = ("Real", "Integer", "Boolean", "Enumeration")
-
-
-@dataclass
-class Group:
-    """Variables of one type of one component that move in one FMI call."""
-    kind: str
-    names: list[str]
-    references: np.ndarray
-    buffer: np.ndarray
-    call: Any
-    where: np.ndarray                    # indices into `signals`: read into, or gathered from
-    factor: np.ndarray | None = None     # for inputs: factor and offset, or None if all are 1 and 0
-    offset: np.ndarray | None = None
-    arguments: tuple = ()
-
-
-@dataclass
-class Member:
-    """A component while it runs."""
-    instance: Instance
-    outputs: list[Group] = field(default_factory=list)
-    inputs: list[Group] = field(default_factory=list)
-
-
-@dataclass
-class Signal:
-    """One column of the results."""
-    name: str
-    unit: str
-    description: str
+CALLS = {P.SET: "fmi2Set{}", P.PREDICT: "fmi2Set{}", P.SLOPE: "fmi2SetRealInputDerivatives", P.GET: "fmi2Get{}",
+         P.STEP: "fmi2DoStep", P.SAVE: "fmi2GetFMUstate", P.RESTORE: "fmi2SetFMUstate"}
 
 
 class Master:
-    """A loaded system. `signals` holds all outputs at the current time, `columns` says which is which."""
+    """A loaded system. `wiring.signals` holds what is connected or recorded at the current time."""
 
-    def __init__(self, system: System, files: dict[str, FmuFile]):
-        """`files` has the open FMU file of every component.
+    def __init__(self, system: System, files: dict[str, FmuFile], record: list[str] | None = None,
+                 plain: bool = False, apart: bool = False):
+        """`files` has the open FMU file of every component; `record` picks variables by component.variable,
+        * for any (None: all numeric outputs); `plain` takes the loop in Python; `apart` reads what is only to be
+        recorded by calls of its own, so that programs can leave them out.
 
-        Raises UsageError for values or connections that do not fit the FMUs, RunError if an FMU does
-        not instantiate.
+        Raises UsageError for values, connections or patterns that do not fit the FMUs, RunError if an FMU
+        does not instantiate.
         """
         self.system, self.files = system, files
-        self.values = {c.name: {n: files[c.name].checked(n, x, c.name) for n, x in c.values.items()}
-                       for c in system.components}
-        self.columns: list[Signal] = []
-        self.index: dict[str, int] = {}
-        for component in system.components:
-            for name in files[component.name].names("output"):
-                v = files[component.name].variables[name]
-                if v.type in NUMERIC:
-                    self.index[f"{component.name}.{name}"] = len(self.columns)
-                    self.columns.append(Signal(f"{component.name}.{name}", v.unit or "", v.description or ""))
-        self.signals = np.zeros(len(self.columns))
-        sources = self._sources()
-        self.members: list[Member] = []
+        self.values = self._checked(system)
+        self.targets = checked_connections(system, files)
+        recorded = picked(system, files, record)
+        self.instances: list[Instance] = []
         try:
             for component in system.components:
-                self.members.append(Member(Instance(files[component.name], component.name)))
-            for member in self.members:
-                self._wire(member, sources)
+                self.instances.append(Instance(files[component.name], component.name))
+            self.wiring = Wirer(self.instances, self.targets, recorded, apart).wire()
         except BaseException:
             self.close()
             raise
+        self.number = {c.name: i for i, c in enumerate(system.components)}
+        self.loop = make_loop(plain, self.wiring)
+        self.cursor = np.zeros(3, np.int64)
 
-    def _sources(self) -> dict[str, tuple[int, float, float]]:
-        """Input `component.variable` -> (index of its source, factor, offset)."""
-        sources: dict[str, tuple[int, float, float]] = {}
-        for connection in self.system.connections:
-            if connection.source not in self.index:
-                raise UsageError(f"{connection.source} is not a numeric output that a connection can start from.")
-            component, _, name = connection.target.partition(".")
-            if component not in self.files or self.files[component].variable(name).causality != "input":
-                raise UsageError(f"{connection.target} is not an input that a connection can end at.")
-            if connection.target in sources:
-                raise UsageError(f"{connection.target} has more than one connection.")
-            sources[connection.target] = (self.index[connection.source], connection.factor, connection.offset)
-        return sources
+    def _checked(self, system: System) -> dict[str, dict[str, Value]]:
+        return {c.name: {n: self.files[c.name].checked(n, x, c.name) for n, x in c.values.items()}
+                for c in system.components}
 
-    def _wire(self, member: Member, sources: dict[str, tuple[int, float, float]]) -> None:
-        instance = member.instance
-        file, prefix = instance.file, instance.name + "."
-        for kind in NUMERIC:
-            def group(verb: str, names: list[str], where: list[int], kind: str = kind) -> Group:
-                references = np.array([file.variables[n].valueReference for n in names], dtype=np.uint32)
-                buffer = np.zeros(len(names), dtype=np.float64 if kind == "Real" else np.int32)
-                made = Group(kind, names, references, buffer, instance.accessor(verb, kind),
-                             np.array(where, dtype=np.intp))
-                made.arguments = (instance.component, references.ctypes.data, len(names), buffer.ctypes.data)
-                return made
+    @property
+    def columns(self) -> list[Signal]:
+        return self.wiring.columns
 
-            outputs = [n for n in file.names("output") if file.variables[n].type == kind]
-            if outputs:
-                member.outputs.append(group("Get", outputs, [self.index[prefix + n] for n in outputs]))
-            inputs = [n for n in file.names("input") if prefix + n in sources and file.variables[n].type == kind]
-            if inputs:
-                made = group("Set", inputs, [sources[prefix + n][0] for n in inputs])
-                if any(sources[prefix + n][1:] != (1.0, 0.0) for n in inputs):
-                    made.factor = np.array([sources[prefix + n][1] for n in inputs])
-                    made.offset = np.array([sources[prefix + n][2] for n in inputs])
-                member.inputs.append(made)
-
-    # --- one component's share of a tick ------------------------------------------------------------
-
-    def set_inputs(self, member: Member, time: float) -> None:
-        for group in member.inputs:
-            gathered = self.signals[group.where]
-            if group.factor is not None:
-                gathered = group.factor * gathered + group.offset
-            group.buffer[:] = gathered
-            status = group.call(*group.arguments)
-            if status > 1:
-                member.instance.check(status, f"fmi2Set{group.kind}", time)
-
-    def read_outputs(self, member: Member, time: float) -> None:
-        for group in member.outputs:
-            status = group.call(*group.arguments)
-            if status > 1:
-                member.instance.check(status, f"fmi2Get{group.kind}", time)
-            self.signals[group.where] = group.buffer
-
-    def step(self, member: Member, time: float, step: float) -> None:
-        status = member.instance.do_step(member.instance.component, time, step, 1)
-        if status > 1:
-            member.instance.check(status, "fmi2DoStep", time)
+    def row(self) -> np.ndarray:
+        """The recorded signals as they are now."""
+        return self.wiring.signals[self.wiring.recorded]
 
     # --- life cycle -----------------------------------------------------------------------------------
 
     def initialise(self, start: float, stop: float) -> None:
-        """Set values, then pass outputs to inputs in initialisation mode until nothing changes any more.
+        """Set values, then exchange outputs and inputs until all FMUs are ready to step.
 
         Raises RunError if an FMU refuses, or if the values do not settle.
         """
-        for member in self.members:
-            instance = member.instance
+        for instance in self.instances:
             instance.set(self.values[instance.name])
-            instance.setup(start, stop)
-            instance.simple("fmi2EnterInitializationMode")
-            self.read_outputs(member, start)
-        for _ in range(2 * len(self.members) + 10):
-            before = self.signals.copy()
-            for member in self.members:
-                self.set_inputs(member, start)
-                self.read_outputs(member, start)
-            if np.array_equal(before, self.signals, equal_nan=True):
-                break
-        else:
-            restless = [c.name for c, a, b in zip(self.columns, before, self.signals) if a != b]
-            raise RunError(f"The initial values do not settle: {', '.join(restless[:5])} change with every pass.")
-        for member in self.members:
-            member.instance.simple("fmi2ExitInitializationMode")
-            self.read_outputs(member, start)
+        initialise(self.system, {i.name: i for i in self.instances}, self.targets, start, stop)
+        self.run(P.program(P.row(P.GET, g.number) for groups in self.wiring.outputs for g in groups), 0, 1, start, 0.0)
+        self.wiring.before[:] = self.wiring.signals
+        self.wiring.clock[:] = start
 
-    def tick(self, time: float, step: float) -> None:
-        """Gauss-Seidel: each component in turn takes its inputs as they are now, steps, and shows its outputs."""
-        for member in self.members:
-            self.set_inputs(member, time)
-            self.step(member, time, step)
-            self.read_outputs(member, time + step)
+    def reset(self, system: System) -> None:
+        """Back to before initialisation, to fly `system`: the same components and connections, other values.
 
-    def jacobi_tick(self, time: float, step: float) -> None:
-        """Jacobi: all take the inputs of the tick's start, all step, then all show their outputs."""
-        for member in self.members:
-            self.set_inputs(member, time)
-        for member in self.members:
-            self.step(member, time, step)
-        for member in self.members:
-            self.read_outputs(member, time + step)
+        Raises UsageError for values that do not fit, RunError if an FMU refuses.
+        """
+        self.values = self._checked(system)
+        self.free_states()
+        for instance in self.instances:
+            instance.simple("fmi2Reset")
+            instance.messages.clear()
+
+    def free_states(self) -> None:
+        for instance, part, i in zip(self.instances, self.wiring.parts, range(len(self.instances))):
+            if self.wiring.states[i] and part[P.FREE_STATE] and instance.alive:
+                instance.free_state(self.wiring.states.ctypes.data + 8 * i)
+            self.wiring.states[i] = 0
 
     def close(self) -> None:
-        for member in self.members:
-            member.instance.close()
-        self.members = []
+        if hasattr(self, "wiring"):
+            self.free_states()
+        for instance in self.instances:
+            instance.close()
+        self.instances = []
+
+    # --- ticks ----------------------------------------------------------------------------------------
+
+    def attempt(self, ops: np.ndarray, first: int, count: int, start: float, step: float,
+                rows: np.ndarray, times: np.ndarray, decimate: int) -> int:
+        """Carry out `ops` on `count` ticks (see `loop_compiled.kernel`); the status of the call that failed, or 0."""
+        return self.loop.run(ops, rows, times, self.cursor, first, count, start, step, decimate)
+
+    def run(self, ops: np.ndarray, first: int, count: int, start: float, step: float) -> None:
+        """The same, without rows. Raises RunError for a failed call."""
+        self.check(self.attempt(ops, first, count, start, step, NO_ROWS, NO_TIMES, 0), ops, start, step)
+
+    def check(self, status: int, ops: np.ndarray, start: float, step: float) -> None:
+        """Raise RunError unless `status` is OK: the call where the cursor stands, with the FMU's own words."""
+        if status == 0:
+            return
+        tick, at = int(self.cursor[0]), int(self.cursor[1])
+        part, call, late = described(self, ops[at])
+        time = start + (tick + late) * step
+        instance = self.instances[part]
+        if status == P.TOO_LONG:
+            raise RunError(f"{instance.name} ({instance.file.path.name}) shows a text longer than {LONGEST_TEXT - 1} "
+                           f"bytes at t = {time:.6g} s.")
+        instance.check(status, call, time)
+
+    def can_save(self) -> list[str]:
+        """Components that cannot save and restore their state."""
+        return [i.name for i in self.instances if not i.cosimulation.canGetAndSetFMUstate]
+
+    def snapshot(self) -> list[np.ndarray]:
+        w = self.wiring
+        return [a.copy() for a in (w.signals, w.before, w.clock, w.texts)]
+
+    def put_back(self, snapshot: list[np.ndarray]) -> None:
+        w = self.wiring
+        for place, kept in zip((w.signals, w.before, w.clock, w.texts), snapshot):
+            place[:] = kept
 
 
-ALGORITHMS: dict[str, Callable[[Master, float, float], None]] = {
-    "gauss-seidel": Master.tick,
-    "jacobi": Master.jacobi_tick,
-}
+NO_ROWS, NO_TIMES = np.empty((0, 0)), np.empty(0)
+
+
+def described(master: Master, op: Any) -> tuple[int, str, int]:
+    """(component, FMI call, 1 if it belongs to the end of the tick) of a row of a program."""
+    code, index = int(op[0]), int(op[1])
+    if code in (P.SET, P.PREDICT, P.SLOPE, P.GET):
+        group = next(g for groups in (*master.wiring.inputs, *master.wiring.outputs) for g in groups
+                     if g.number == index)
+        return group.owner, CALLS[code].format(group.suffix), int(code == P.GET)
+    return index, CALLS.get(code, ""), 0
+
+
+def make_loop(plain: bool, wiring: Any) -> Any:
+    if plain:
+        from .loop_plain import Loop as Plain
+        return Plain(wiring)
+    from .loop_compiled import Loop  # numba takes its time
+    return Loop(wiring)
 
 
 @contextmanager

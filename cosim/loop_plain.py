@@ -1,0 +1,126 @@
+"""The tick loop in plain Python: the reference for `loop_compiled`, equal to the last bit, and its fallback."""
+import ctypes
+from typing import Any
+
+import numpy as np
+
+from . import program as P
+from .wiring import LONGEST_TEXT, Wiring, strncpy_address
+
+POINTER, SIZE, REAL, WHOLE = ctypes.c_void_p, ctypes.c_size_t, ctypes.c_double, ctypes.c_int
+TRANSFER = ctypes.CFUNCTYPE(WHOLE, POINTER, POINTER, SIZE, POINTER)
+TRANSFER_SLOPES = ctypes.CFUNCTYPE(WHOLE, POINTER, POINTER, SIZE, POINTER, POINTER)
+DO_STEP = ctypes.CFUNCTYPE(WHOLE, POINTER, REAL, REAL, WHOLE)
+STATE = ctypes.CFUNCTYPE(WHOLE, POINTER, POINTER)
+COPY = ctypes.CFUNCTYPE(POINTER, POINTER, POINTER, SIZE)
+
+
+class Bound:
+    """A group's row with its function, and its parts of the vectors."""
+
+    def __init__(self, wiring: Wiring, row: np.ndarray):
+        call, instance, references, count, buffer, first, self.kind, _, slopes_call, slopes, orders = row.tolist()
+        part = slice(first, first + count)
+        self.call, self.arguments = TRANSFER(call), (instance, references, count, buffer)
+        self.where, self.factor, self.offset = wiring.where[part], wiring.factor[part], wiring.offset[part]
+        self.values: np.ndarray = (wiring.reals, wiring.wholes, wiring.pointers)[self.kind][part]
+        self.slopes = wiring.slopes[part]
+        self.slopes_call = TRANSFER_SLOPES(slopes_call) if slopes_call else None
+        self.slopes_arguments = (instance, references, count, orders, slopes)
+
+
+class Loop:
+    """Carries out programs on one wiring; see `loop_compiled.kernel` for the meaning of the arguments."""
+
+    def __init__(self, wiring: Wiring):
+        self.wiring = wiring
+        self.groups = [Bound(wiring, row) for row in wiring.groups]
+        self.parts: list[dict[int, Any]] = [
+            {P.INSTANCE: row[P.INSTANCE], P.DO_STEP: DO_STEP(row[P.DO_STEP]),
+             **{k: STATE(row[k]) for k in (P.GET_STATE, P.SET_STATE, P.FREE_STATE) if row[k]}}
+            for row in wiring.parts.tolist()]
+        self.copy = COPY(strncpy_address())
+        self.actions = {P.SET: self.set, P.PREDICT: self.predict, P.SLOPE: self.predict, P.STEP: self.step,
+                        P.GET: self.get, P.MARK: self.mark, P.SAVE: self.save, P.RESTORE: self.restore}
+
+    def run(self, ops: np.ndarray, rows: np.ndarray, times: np.ndarray, cursor: np.ndarray,
+            first: int, count: int, start: float, step: float, decimate: int) -> int:
+        w = self.wiring
+        listed = [(i, self.actions[code], code, *rest) for i, (code, *rest) in enumerate(ops.tolist())]
+        for tick in range(first, first + count):
+            cursor[0] = tick
+            t = start + tick * step
+            for i, action, code, index, period, phase, reach in listed:
+                if period != 1 and tick % period != phase:
+                    continue
+                cursor[1] = i
+                status = action(code, index, t, reach * step, step)
+                if status > 1:
+                    return int(status)
+            if decimate > 0 and (tick + 1) % decimate == 0:
+                rows[cursor[2]] = w.signals[w.recorded]
+                times[cursor[2]] = start + (tick + 1) * step
+                cursor[2] += 1
+        return 0
+
+    def set(self, code: int, index: int, t: float, reach: float, step: float) -> int:
+        group = self.groups[index]
+        if group.kind != P.TEXT:  # a text input points at its source already
+            group.values[:] = group.factor * self.wiring.signals[group.where] + group.offset
+        return int(group.call(*group.arguments))
+
+    def predict(self, code: int, index: int, t: float, reach: float, step: float) -> int:
+        w, group = self.wiring, self.groups[index]
+        if group.kind != P.REAL:
+            return self.set(code, index, t, reach, step)
+        ahead = 0.0 if code == P.SLOPE else 0.5 * reach
+        for i, s in enumerate(group.where):
+            value, slope = w.signals[s], 0.0
+            now, earlier = w.clock[w.holder[s]]
+            if w.smooth[s] and now > earlier:
+                slope = (value - w.before[s]) / (now - earlier)
+                value = value + slope * (t + ahead - now)
+            group.slopes[i] = group.factor[i] * slope
+            group.values[i] = group.factor[i] * value + group.offset[i]
+        status = group.call(*group.arguments)
+        if code == P.SLOPE and status <= 1:
+            assert group.slopes_call is not None
+            status = group.slopes_call(*group.slopes_arguments)
+        return int(status)
+
+    def step(self, code: int, index: int, t: float, reach: float, step: float) -> int:
+        part, not_back = self.parts[index], self.wiring.states[index] == 0
+        return int(part[P.DO_STEP](part[P.INSTANCE], t, reach, int(not_back)))
+
+    def get(self, code: int, index: int, t: float, reach: float, step: float) -> int:
+        w, group = self.wiring, self.groups[index]
+        status = int(group.call(*group.arguments))
+        if status > 1:
+            return status
+        if group.kind != P.TEXT:
+            w.signals[group.where] = group.values
+            return status
+        for place, text in zip(group.where.tolist(), group.values.tolist()):
+            self.copy(w.texts.ctypes.data + place * LONGEST_TEXT, text, LONGEST_TEXT)
+            if w.texts[place, -1]:
+                status = P.TOO_LONG
+        return status
+
+    def mark(self, code: int, index: int, t: float, reach: float, step: float) -> int:
+        w = self.wiring
+        mine = slice(*w.parts[index, P.SLOTS_FROM:P.SLOTS_TO + 1])
+        w.before[mine] = w.signals[mine]
+        w.clock[index] = t + reach, w.clock[index, 0]
+        return 0
+
+    def save(self, code: int, index: int, t: float, reach: float, step: float) -> int:
+        w, part = self.wiring, self.parts[index]
+        place = w.states.ctypes.data + 8 * index
+        if w.states[index]:
+            part[P.FREE_STATE](part[P.INSTANCE], place)
+            w.states[index] = 0
+        return int(part[P.GET_STATE](part[P.INSTANCE], place))
+
+    def restore(self, code: int, index: int, t: float, reach: float, step: float) -> int:
+        part = self.parts[index]
+        return int(part[P.SET_STATE](part[P.INSTANCE], int(self.wiring.states[index])))

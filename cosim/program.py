@@ -1,0 +1,36 @@
+"""A schedule as data: rows of whole numbers that both tick loops (`loop_plain`, `loop_compiled`) carry out.
+
+A row is (code, index, period, phase, reach). It is carried out on ticks k with k % period == phase;
+`index` is a group of variables or a component; `reach` is how many base steps an FMU's step spans.
+With t the time at the start of the tick and h the base step:
+
+    SET      give a group its inputs, as the signals are now
+    PREDICT  give a group its inputs as they will be, by their last slope, halfway through the step to come
+    SLOPE    give a group its inputs at t, and their slopes (fmi2SetRealInputDerivatives)
+    STEP     fmi2DoStep from t over reach * h
+    GET      read a group's variables into the signals
+    MARK     remember a component's signals and their time as the last ones; those to come hold at t + reach * h
+    SAVE     fmi2GetFMUstate of a component, in place of the one saved before
+    RESTORE  fmi2SetFMUstate of the saved one
+"""
+from collections.abc import Iterable
+
+import numpy as np
+
+SET, PREDICT, SLOPE, STEP, GET, MARK, SAVE, RESTORE = range(8)
+
+# Columns of a wiring's tables, see `wiring`.
+CALL, POINTER, REFERENCES, COUNT, BUFFER, FIRST, KIND, OWNER, SET_SLOPES, SLOPES, ORDERS = range(11)
+REAL, WHOLE, TEXT = range(3)
+INSTANCE, DO_STEP, GET_STATE, SET_STATE, FREE_STATE, SLOTS_FROM, SLOTS_TO = range(7)
+TOO_LONG = 100  # a status of our own: a text that does not fit its place
+
+Row = tuple[int, int, int, int, int]
+
+
+def row(code: int, index: int, period: int = 1, phase: int = 0, reach: int = 1) -> Row:
+    return (code, index, period, phase, reach)
+
+
+def program(rows: Iterable[Row]) -> np.ndarray:
+    return np.array(list(rows), dtype=np.int64).reshape(-1, 5)
