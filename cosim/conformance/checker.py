@@ -19,11 +19,8 @@ from cosim.conformance.context import Fmu, Unusable, read
 from cosim.conformance.report import Finding, Report
 from cosim.conformance.rules import STATIC_CHECKS, Fault
 
-TIME_LIMIT = 30.0  # seconds for a single call of the FMU
-CYCLES = 1000  # lives of an instance in the memory probe
 
-
-def check(path: Path, run_probes: bool = True, time_limit: float = TIME_LIMIT, cycles: int = CYCLES) -> Report:
+def check(path: Path, run_probes: bool, time_limit: float, cycles: int) -> Report:
     """See `cosim.conformance.check`."""
     report = Report(Path(path))
     with tempfile.TemporaryDirectory(prefix="ahv-check-", ignore_cleanup_errors=True) as work:

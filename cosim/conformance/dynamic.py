@@ -6,6 +6,7 @@ probe and the mark names the call, and a new child takes the probes that are lef
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import platform
@@ -22,8 +23,8 @@ from cosim.conformance.context import Fmu
 from cosim.conformance.description import Variable, integer, number
 from cosim.conformance.fmi2 import MARK_BYTES, Mark
 from cosim.conformance.job import Job, Known
-from cosim.conformance.report import Report
-from cosim.conformance.rules import WARNING, Fault
+from cosim.conformance.report import Finding, Report
+from cosim.conformance.rules import ERROR, WARNING, Fault
 
 _POLL = 0.05
 _SLOW = 4  # a probe that moves on, but takes longer than this many time limits, is left
@@ -51,11 +52,16 @@ def run(fmu: Fmu, report: Report, work: Path, time_limit: float, cycles: int) ->
         done = _one_child(job, report, work, time_limit)
         if done == 0:
             raise RuntimeError(f"the checking process did not begin with '{job.probes[0]}'; see {work / 'stderr.txt'}")
-        why = next((_FATAL_RULES[f.rule] for f in report.findings if f.rule in _FATAL_RULES), None)
+        why = next((_FATAL_RULES[f.rule] for f in report.findings if _ends_it(f)), None)
         if why:
             report.skip("the probes after that", why)
             return
         job = replace(job, probes=job.probes[done:])
+
+
+def _ends_it(finding: Finding) -> bool:
+    """Whether further probes would only find the same again (a hang after a master's mistake is a warning only)."""
+    return finding.rule in _FATAL_RULES and finding.severity == ERROR
 
 
 def host_platform() -> str:
@@ -132,19 +138,33 @@ def _one_child(job: Job, report: Report, work: Path, time_limit: float) -> int:
     command = [sys.executable, "-P", "-m", "cosim.conformance.child", *map(str, files)]
     with (work / "stderr.txt").open("wb") as errors:
         child = subprocess.Popen(
-            command, cwd=work, env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=errors
+            command,
+            cwd=work,
+            env=environment,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=errors,
+            start_new_session=True,  # so that whatever the FMU starts ends with it
         )
         try:
             stopped = _watch(child, files[1], files[2], time_limit)
         finally:
-            child.kill()
-            child.wait()
+            _end(child)
     begun, ended = _take_results(files[1], report)
     if len(begun) > len(ended):
         _judge_death(
             report, job, begun[-1], stopped or _death(child.returncode), Mark.read(files[2])[1], work, time_limit
         )
     return len(begun)
+
+
+def _end(child: subprocess.Popen[bytes]) -> None:
+    """End the child and the processes that its FMU started."""
+    if os.name == "posix":
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(child.pid, signal.SIGKILL)
+    child.kill()
+    child.wait()
 
 
 def _watch(child: subprocess.Popen[bytes], results: Path, mark: Path, time_limit: float) -> str:

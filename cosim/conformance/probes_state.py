@@ -57,8 +57,7 @@ def state(bench: Bench) -> None:
         return
     bench.prepare()
     with bench.instance() as fmu:
-        status, saved = _half_run(bench, fmu, lambda: fmu.get_state())
-        bench.expect(status, "fmi2GetFMUstate", "after a step")
+        saved = _saved_half_way(bench, fmu)
         _compare_replays(bench, fmu, saved, "dynamic.state-replay")
         bench.expect(fmu.free_state(saved), "fmi2FreeFMUstate", "of a saved state")
         if saved.value:
@@ -74,8 +73,7 @@ def serialize(bench: Bench) -> None:
         return
     bench.prepare()
     with bench.instance() as fmu:
-        status, saved = _half_run(bench, fmu, lambda: fmu.get_state())
-        bench.expect(status, "fmi2GetFMUstate", "after a step")
+        saved = _saved_half_way(bench, fmu)
         status, data = fmu.serialize(saved)
         bench.expect(status, "fmi2SerializeFMUstate", "of a saved state")
         bench.expect(fmu.free_state(saved), "fmi2FreeFMUstate", "of a saved state")
@@ -85,10 +83,12 @@ def serialize(bench: Bench) -> None:
         bench.expect(fmu.free_state(restored), "fmi2FreeFMUstate", "of a deserialized state")
 
 
-def _half_run(bench: Bench, fmu: Instance, save: Callable[[], tuple[int, c_void_p]]) -> tuple[int, c_void_p]:
+def _saved_half_way(bench: Bench, fmu: Instance) -> c_void_p:
     bench.initialize(fmu)
     bench.advance(fmu, 0, bench.steps // 2)
-    return save()
+    status, saved = fmu.get_state()
+    bench.expect(status, "fmi2GetFMUstate", "after a step")
+    return saved
 
 
 def _compare_replays(bench: Bench, fmu: Instance, saved: c_void_p, rule: str) -> None:

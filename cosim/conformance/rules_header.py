@@ -40,15 +40,24 @@ def encoding_declared(fmu: Fmu) -> Iterator[Fault]:
         yield Fault("modelDescription.xml", "no encoding in the first line", '<?xml version="1.0" encoding="UTF-8"?>')
 
 
-@static("xml.finite", "2.2", ERROR, "No attribute holds NaN or an infinite value.")
-def finite(fmu: Fmu) -> Iterator[Fault]:
-    names = {"start", "min", "max", "nominal", "factor", "offset", "startTime", "stopTime", "tolerance", "stepSize"}
+def _not_finite(fmu: Fmu, names: set[str]) -> Iterator[Fault]:
     for element in fmu.description.root.iter("Real", "BaseUnit", "DisplayUnit", "DefaultExperiment"):
         for name in sorted(names & {str(key) for key in element.attrib}):
             text = str(element.get(name)).strip()
             if text.lstrip("+-").lower() in ("nan", "inf", "infinity"):
                 owner = element.get("name") or getattr(element.getparent(), "attrib", {}).get("name", element.tag)
                 yield Fault(str(owner), f"{name} '{text}'", "a finite number")
+
+
+@static("xml.finite", "2.2", ERROR, "No value of a variable is NaN or infinite.")
+def finite(fmu: Fmu) -> Iterator[Fault]:
+    yield from _not_finite(fmu, {"start"})
+
+
+@static("xml.finite-attribute", "2.2", WARNING, "No other attribute is NaN or infinite (absent means unlimited).")
+def finite_attribute(fmu: Fmu) -> Iterator[Fault]:
+    names = {"min", "max", "nominal", "factor", "offset", "startTime", "stopTime", "tolerance", "stepSize"}
+    yield from _not_finite(fmu, names)
 
 
 @static("header.interface", "2.2.1", ERROR, "At least one of ModelExchange and CoSimulation is present.")
@@ -151,10 +160,10 @@ def experiment_stop(fmu: Fmu) -> Iterator[Fault]:
         yield Fault("stopTime", f"{stop:g} with startTime {start:g}", "stopTime >= startTime")
 
 
-@static("experiment.tolerance", "2.2.5", ERROR, "The default tolerance is above zero.")
+@static("experiment.tolerance", "2.2.5", ERROR, "The default tolerance is not negative.")
 def experiment_tolerance(fmu: Fmu) -> Iterator[Fault]:
     tolerance = _experiment(fmu, "tolerance")
-    if tolerance is not None and tolerance <= 0:
+    if tolerance is not None and tolerance < 0:
         yield Fault("tolerance", f"{tolerance:g}", "a value above 0")
 
 

@@ -65,7 +65,7 @@ DEFECTS: tuple[Defect, ...] = (
     _before(
         "xml.schema", "an enumeration without type", _LAST_VARIABLE, _TYPED.format("e", '<Enumeration start="1"/>')
     ),
-    _edit("xml.finite", "an infinite maximum", "u", 'max="10"', 'max="INF"'),
+    _edit("xml.finite-attribute", "an infinite maximum", "u", 'max="10"', 'max="INF"'),
     _edit("xml.finite", "a start value that is NaN", "gain", 'start="2"', 'start="NaN"'),
     _swap("header.guid", "an empty GUID", _GUID, 'guid=""'),
     _swap("header.model-name", "an empty model name", 'modelName="Fixture"', 'modelName=""'),

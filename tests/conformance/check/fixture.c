@@ -376,7 +376,7 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real h, fmi2Boolean no
     if (f->stop_defined && !BUG(PAST_STOP) && time + h > stop) return refuse(f, "beyond the stop time");
     if (BUG(FIXED_STEP) && fabs(h - 0.01) > 1e-9) return refuse(f, "only steps of 0.01");
     if (BUG(STEP_CRASHES) && f->d.i[COUNT] == 3) abort();
-    if (BUG(SLOW)) usleep(20000);
+    if (BUG(SLOW)) usleep(5000);
     if (BUG(STEP_HANGS) && f->d.i[COUNT] == 3) sleep(1000);
     if (BUG(STEP_FAILS) && f->d.i[COUNT] == 3) return refuse(f, "defect");
     if (BUG(STEP_DISCARDS) && f->d.i[COUNT] == 3) return fmi2Discard;

@@ -73,7 +73,9 @@ def _judge(case: Case, file: Path, validated: list[bool]) -> Found:
 
 def summary(found: dict[Case, Found]) -> list[str]:
     """How many defects each tool finds, by kind."""
-    lines = ["| defects | number | fmpy | fmutool | ours |", "|---|---|---|---|---|"]
+    dynamic = sum(name.startswith("dynamic.") for name in RULES)
+    lines = [f"{len(RULES)} rules, {dynamic} of them dynamic; {len(found)} defects:", ""]
+    lines += ["| defects | number | fmpy | fmutool | ours |", "|---|---|---|---|---|"]
     for kind in ("static", "archive", "dynamic", "all"):
         chosen = [f for case, f in found.items() if kind in (case.kind, "all")]
         lines.append(f"| {kind} | {len(chosen)} | " + " | ".join(_sums(chosen)) + " |")

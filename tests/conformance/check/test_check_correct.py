@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 import zipfile
 from pathlib import Path
 
@@ -96,7 +98,7 @@ def test_path_with_spaces_and_letters_beyond_ascii(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("fmu", OURS, ids=lambda path: f"{path.parent.name}/{path.name}")
 def test_our_own_fmus_have_no_error(fmu: Path) -> None:
-    report = check(fmu, cycles=200)
+    report = check(fmu, cycles=100)
     assert report.passed, _told(report)
 
 
@@ -109,3 +111,22 @@ def test_pythonfmu_example_has_its_known_errors_and_no_others(tmp_path: Path) ->
     report = check(Path(builder.FmuBuilder.build_FMU(slave, dest=tmp_path)), cycles=100)
     errors = {finding.rule for finding in report.findings if finding.severity == "error"}
     assert errors == {"structure.initial-complete", "variable.continuous-real"}
+
+
+def test_fmu_of_another_make_has_no_error(tmp_path: Path) -> None:
+    """fmucontainer's runtime around two FMUs: it hangs on a step of NaN, which is a warning, and has no error."""
+    for name in ("one.fmu", "two.fmu"):
+        write(tmp_path / name, members(MINIMAL.replace("any name", "u")))
+    (tmp_path / "both.csv").write_text(
+        "rule;from_fmu;from_port;to_fmu;to_port\nFMU;one.fmu;;;\nFMU;two.fmu;;;\nLINK;one.fmu;y;two.fmu;u\n"
+        "INPUT;;u;one.fmu;u\nOUTPUT;two.fmu;y;;y\n"
+    )
+    command = [
+        sys.executable,
+        "-c",
+        "from fmu_manipulation_toolbox.cli.fmucontainer import fmucontainer; fmucontainer()",
+    ]
+    options = ["-container", "both.csv:0.01", "-fmu-directory", str(tmp_path)]
+    subprocess.run([*command, *options], check=True, capture_output=True, cwd=tmp_path)
+    report = check(tmp_path / "both.fmu", time_limit=2.0, cycles=100)
+    assert report.passed, _told(report)
