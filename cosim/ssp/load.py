@@ -51,12 +51,22 @@ def opened(structure: Structure, folder: Path, stack: ExitStack) -> dict[Path_, 
     for element in structure.components():
         path = inside(folder, element.source or "", f"The component {shown(element.path)}")
         if path not in files:
-            files[path] = FmuFile.open(path)
+            files[path] = open_fmu(path, element.source or "")
             stack.callback(files[path].close)
         found[element.path] = files[path]
     if not found:
         raise UsageError("The system has no components.")
     return found
+
+
+def open_fmu(path: Path, source: str) -> FmuFile:
+    """The FMU at `path`, which messages call `source`: where it is unpacked to is nobody's business."""
+    try:
+        with unpacked(path):  # FmuFile trusts paths and sizes in an archive; those of a stranger's are looked at first
+            pass
+        return FmuFile.open(path)
+    except UsageError as error:
+        raise UsageError(str(error).replace(str(path), source)) from None
 
 
 def assembled(structure: Structure, folder: Path, files: dict[Path_, FmuFile]) -> Loaded:
@@ -87,7 +97,8 @@ def assembled(structure: Structure, folder: Path, files: dict[Path_, FmuFile]) -
             elif origin in values:
                 value = values[origin].in_unit(unit_of(origin), called(origin))
                 start[name] = through(value, traced.factor, traced.offset)
-        components.append(Component(flat(path), file.path, start))
+        checked = {name: file.checked(name, value, flat(path)) for name, value in start.items()}
+        components.append(Component(flat(path), file.path, checked))
         sources[flat(path)] = element.source or ""
     check_names(components)
     return Loaded(structure.name, System(tuple(components), tuple(connections)), structure.start or 0.0,

@@ -8,6 +8,12 @@ from ..flight import fly, progress_bar
 from ..results import prepare_folder, write
 from .load import loaded
 
+DEFAULT_STEP = 0.01  # s, as that of `ahv run`
+
+
+def note(text: str) -> None:
+    print(f"ahv: {text}", file=sys.stderr)
+
 
 def simulate(path: Path, step: float | None, stop: float | None, algorithm: str,
              out: Path | None) -> tuple[dict[str, Any], str]:
@@ -17,14 +23,15 @@ def simulate(path: Path, step: float | None, stop: float | None, algorithm: str,
     """
     with loaded(path) as found:
         end = found.stop if stop is None else stop
-        size = found.step if step is None else step
+        size = (found.step or DEFAULT_STEP) if step is None else step
         if found.start != 0:
             raise UsageError(f"{path} starts at t = {found.start:g} s; a start other than 0 is not supported.")
-        if end is None or size is None:
-            option, what = ("--stop", "when to stop") if end is None else ("--step", "how large the step is")
-            raise UsageError(f"{path} does not say {what}: give {option}.")
+        if end is None:
+            raise UsageError(f"{path} does not say when to stop: give --stop.")
+        if step is None and found.step is None:
+            note(f"{path} does not say how large the step is: {DEFAULT_STEP} s is taken.")
         for name in found.ignored:
-            print(f"ahv: the parameter {name} fits no variable and is ignored.", file=sys.stderr)
+            note(f"the parameter {name} fits no variable and is ignored.")
         folder = out or Path("results") / path.stem
         prepare_folder(folder)
         bar, progress = progress_bar(found.name, end)

@@ -1,0 +1,222 @@
+"""What an SSP file says becomes what the master flies: connections, units, parameters, experiment."""
+import json
+import subprocess
+
+import pyarrow.parquet
+import pytest
+from ssp_files import (
+    component,
+    connection,
+    connector,
+    inline,
+    linear,
+    mapping,
+    parameter,
+    parameters,
+    ssd,
+    system,
+    write,
+)
+from test_cases import AHV, ahv
+
+from cosim.errors import UsageError
+from cosim.ssp.load import loaded
+
+
+@pytest.fixture
+def read(tmp_path):
+    """Reads the SSP with this description, and files."""
+    def reading(description, **files):
+        with loaded(write(tmp_path / "test.ssp", description, **files)) as found:
+            return found
+    return reading
+
+
+def pair(start_unit, end_unit, inner="", **attributes):
+    return ssd(system("root", component("a", y=start_unit) + component("b", u=end_unit),
+                      connection("a.y", "b.u", inner, **attributes)))
+
+
+@pytest.mark.parametrize("start,end,factor,offset", [
+    ("km", "m", 1000, 0), ("m", "km", 0.001, 0), ("degC", "K", 1, 273.15), ("degF", "degC", 5 / 9, -160 / 9),
+    ("m", "m", 1, 0), (None, "m", 1, 0), ("m", None, 1, 0)])
+def test_units_are_converted(start, end, factor, offset, read):
+    link, = read(pair(start, end)).system.connections
+    assert (link.source, link.target) == ("a.y", "b.u")
+    assert (link.factor, link.offset) == (pytest.approx(factor), pytest.approx(offset))
+
+
+def test_the_linear_transformation_comes_after_the_conversion(read):
+    link, = read(pair("degC", "K", linear(2, 1))).system.connections
+    assert (link.factor, link.offset) == (2, pytest.approx(2 * 273.15 + 1))
+
+
+def test_a_suppressed_conversion_leaves_the_linear_transformation(read):
+    link, = read(pair("degC", "m", linear(2, 1), suppressUnitConversion="true")).system.connections
+    assert (link.factor, link.offset) == (2, 1)
+
+
+def nested(connectors_unit=None, bindings=""):
+    """a -> inner(b -> c) -> d, b and c inside a system of their own."""
+    inner = system("inner", component("b", u="m", y="m", bindings=bindings) + component("c"),
+                   connection(".in", "b.u") + connection("b.y", "c.u") + connection("c.y", ".out", linear(3, 1)),
+                   connector("in", "input", connectors_unit) + connector("out", "output"))
+    return system("root", component("a", y="km") + inner + component("d"),
+                  connection("a.y", "inner.in", linear(2, 5)) + connection("inner.out", "d.u", linear(10, 0)))
+
+
+@pytest.mark.parametrize("middle", [None, "km"])
+def test_connections_lead_through_nested_systems_in_the_order_of_their_steps(middle, read):
+    found = read(ssd(nested(middle)))
+    assert [c.name for c in found.system.components] == ["a", "inner/b", "inner/c", "d"]
+    links = {k.target: (k.source, k.factor, k.offset) for k in found.system.connections}
+    assert links == {"inner/b.u": ("a.y", 2000, 5000), "inner/c.u": ("inner/b.y", 1, 0),
+                     "d.u": ("inner/c.y", 30, 10)}
+
+
+def test_root_connectors_may_stay_open_and_take_start_values(read):
+    own = connector("in", "input", "km") + connector("other", "input") + connector("out", "output")
+    links = connection(".in", "a.u", linear(2, 0)) + connection("a.y", ".out")
+    found = read(ssd(system("root", component("a", u="m"), links, own, inline(parameter("in", 3)))))
+    assert found.system.connections == ()
+    assert found.system.components[0].values == {"u": 6000}
+
+
+def test_values_of_every_type_reach_their_variables(read):
+    values = inline(parameter("k", 2.5), parameter("n", 3, "Integer"), parameter("on", "0", "Boolean"),
+                    parameter("label", "x &lt; y", "String"))
+    found = read(ssd(system("root", component("a", bindings=values))))
+    assert found.system.components[0].values == {"k": 2.5, "n": 3, "on": False, "label": "x < y"}
+
+
+def test_later_bindings_come_before_earlier_ones_and_outer_before_inner(read):
+    inner = inline(parameter("k", 1), parameter("n", 1, "Integer")) + inline(parameter("n", 2, "Integer"))
+    outer = inline(parameter("k", 3), prefix="a.") + inline(parameter("a.on", "false", "Boolean"))
+    found = read(ssd(system("root", component("a", bindings=inner), bindings=outer)))
+    assert found.system.components[0].values == {"k": 3, "n": 2, "on": False}
+
+
+def test_hierarchical_names_reach_into_nested_systems_and_others_are_told(read):
+    values = inline(parameter("inner.b.k", 7), parameter("inner.c.n", 8, "Integer"), parameter("inner.b.kk", 9))
+    found = read(ssd(nested().replace("<ssd:Elements>", f"<ssd:ParameterBindings>{values}</ssd:ParameterBindings>"
+                                                        f"<ssd:Elements>", 1)))
+    assert {c.name: c.values for c in found.system.components if c.values} == {"inner/b": {"k": 7}, "inner/c": {"n": 8}}
+    assert found.ignored == ["the system: inner.b.kk"]
+
+
+def test_a_parameter_is_converted_to_the_unit_of_its_connector(read):
+    values = inline(parameter("k", 2, unit="km"))
+    element = component("a", bindings=values, more=connector("k", "parameter", "m"))
+    assert read(ssd(system("root", element))).system.components[0].values == {"k": 2000}
+
+
+def test_a_mapping_renames_converts_and_transforms(read):
+    names = mapping(f'<ssm:MappingEntry source="gain" target="k">{linear(2, 1)}</ssm:MappingEntry>',
+                    '<ssm:MappingEntry source="gain" target="u" suppressUnitConversion="true"/>')
+    values = inline(parameter("gain", 3, unit="km"), parameter("n", 5, "Integer"), mapped=names)
+    element = component("a", u="m", bindings=values, more=connector("k", "parameter", "m"))
+    assert read(ssd(system("root", element))).system.components[0].values == {"k": 6001, "u": 3}
+
+
+def test_parameter_sets_are_read_from_the_archive_and_from_the_fmu(read, native_fmus):
+    files = {"resources__my values_dot_ssv": parameters(parameter("k", 4)),
+             "resources__AhvScenario_dot_fmu": native_fmus["AhvScenario"].read_bytes()}
+    other = ('<ssd:Component name="s" source="resources/AhvScenario.fmu"><ssd:ParameterBindings>'
+             '<ssd:ParameterBinding source="resources/presets/hold.ssv" sourceBase="component"/>'
+             '</ssd:ParameterBindings></ssd:Component>')
+    element = component("a", bindings='<ssd:ParameterBinding source="resources/my%20values.ssv"/>')
+    found = read(ssd(system("root", element + other)), **files)
+    assert found.system.components[0].values == {"k": 4}
+    assert found.system.components[1].values["V_command_step"] == 0
+
+
+def test_the_experiment_is_the_files_or_the_fmus(read, native_fmus):
+    one = system("root", component("a"))
+    assert (read(ssd(one)).stop, read(ssd(one)).step) == (1, None)
+    scenario = system("root", '<ssd:Component name="s" source="resources/AhvScenario.fmu"/>')
+    found = read(ssd(scenario, ""), resources__AhvScenario_dot_fmu=native_fmus["AhvScenario"].read_bytes())
+    assert (found.stop, found.step) == (100, 0.01)
+
+
+def test_a_system_flies_with_its_conversions(tmp_path):
+    description = ssd(system("root", component("a", y="km", bindings=inline(parameter("u", 2), parameter("k", 3)))
+                             + component("b", u="m"), connection("a.y", "b.u", linear(2, 1))))
+    path = write(tmp_path / "test.ssp", description)
+    found = json.loads(ahv("simulate", path, "--step", 0.25, "--out", tmp_path / "out", "--json"))
+    assert found == {"system": "test", "components": ["a", "b"], "algorithm": "gauss-seidel", "step_s": 0.25,
+                     "stop_s": 1.0, "ticks": 4, "finished": True, "departed_at_s": None,
+                     "real_time_factor": found["real_time_factor"], "out": str(tmp_path / "out")}
+    table = pyarrow.parquet.read_table(tmp_path / "out" / "signals.parquet")
+    assert table["a.y"].to_pylist() == [0, 6, 6, 6, 6]
+    assert table["b.y"].to_pylist() == [0, 12001, 12001, 12001, 12001]
+    record = json.loads((tmp_path / "out" / "run.json").read_text())
+    assert record["fmus"]["a"]["file"] == f"{path}/resources/Gain.fmu"
+
+
+def test_a_jacobi_step_is_one_step_late(tmp_path):
+    description = ssd(system("root", component("a", bindings=inline(parameter("u", 2))) + component("b"),
+                             connection("a.y", "b.u")))
+    path = write(tmp_path / "test.ssp", description)
+    ahv("simulate", path, "--step", 0.25, "--algorithm", "jacobi", "--out", tmp_path / "out")
+    table = pyarrow.parquet.read_table(tmp_path / "out" / "signals.parquet")
+    assert table["b.y"].to_pylist() == [0, 0, 2, 2, 2]
+
+
+CHAIN = component("a", y="m") + component("b", u="s")
+REFUSED = {
+    "a unit that cannot be converted": (system("root", CHAIN, connection("a.y", "b.u")),
+                                        "from a.y to b.u cannot convert m to s"),
+    "an unknown connector": (system("root", CHAIN, connection("a.yy", "b.u")),
+                             "the connector yy, which a does not have; did you mean y?"),
+    "an unknown element": (system("root", CHAIN, connection("aa.y", "b.u")),
+                           "starts at aa, which is no element of it; did you mean a?"),
+    "a connector that the FMU has not": (system("root", component("a", more=connector("kk", "parameter"))),
+                                         "has a connector kk, but Gain.fmu has no such variable; did you mean k?"),
+    "a connector of another type": (system("root", component("a", more=connector("n", "parameter"))),
+                                    "a.n is Real in SystemStructure.ssd and Integer in Gain.fmu"),
+    "a connection against the stream": (system("root", CHAIN, connection("b.u", "a.y")),
+                                        "starts at b.u, which is an input"),
+    "two connections to one input": (system("root", component("a") + component("b"),
+                                            connection("a.y", "b.u") + connection("b.y", "b.u")),
+                                     "b.u has more than one connection"),
+    "a signal dictionary": (system("root", '<ssd:SignalDictionaryReference name="bus" dictionary="d"/>'),
+                            "bus is a SignalDictionaryReference, which is not supported"),
+    "an SSP in an SSP": (system("root", '<ssd:Component name="x" source="x.ssp" type="application/x-ssp-package"/>'),
+                         "x is of type application/x-ssp-package, which is not supported"),
+    "model exchange": (system("root", component("a").replace("<ssd:Component", '<ssd:Component '
+                                                             'implementation="ModelExchange"')), "ModelExchange"),
+    "a missing FMU": (system("root", component("a", source="resources/Gian.fmu")),
+                      "The component a refers to resources/Gian.fmu, which is not in the SSP"),
+    "an FMU elsewhere": (system("root", component("a", source="../../Gain.fmu")), "leads outside of the SSP"),
+    "an FMU on the network": (system("root", component("a", source="http://host/Gain.fmu")), "not inside the SSP"),
+    "a file that is no FMU": (system("root", component("a", source="SystemStructure.ssd")), "is not a zip file"),
+    "a missing parameter set": (system("root", component("a", bindings='<ssd:ParameterBinding source="x.ssv"/>')),
+                                "The ParameterBinding of a refers to x.ssv, which is not in the SSP"),
+    "a parameter of a wrong unit": (
+        system("root", component("a", u="m", bindings=inline(parameter("u", 1, unit="s")))),
+        "The value of a.u cannot be converted from s to m"),
+    "a mapping of another kind": (
+        system("root", CHAIN, connection("a.y", "b.u", '<ssc:BooleanMappingTransformation><ssc:MapEntry source="true" '
+                                         'target="false"/></ssc:BooleanMappingTransformation>')),
+        "has a BooleanMappingTransformation, which is not supported"),
+    "nothing to fly": ('<ssd:System name="root"/>', "The system has no components"),
+}
+
+
+@pytest.mark.parametrize("inner,sentence", REFUSED.values(), ids=REFUSED)
+def test_what_is_not_supported_is_refused_by_name(inner, sentence, read):
+    with pytest.raises(UsageError) as error:
+        read(ssd(inner))
+    assert sentence in str(error.value)
+
+
+def test_a_step_that_nobody_gives_is_that_of_run_and_told(tmp_path):
+    path = write(tmp_path / "test.ssp", ssd(system("root", component("a"))))
+    done = subprocess.run([AHV, "simulate", path, "--out", tmp_path / "out", "--json"], capture_output=True, text=True)
+    assert json.loads(done.stdout)["step_s"] == 0.01
+    assert "does not say how large the step is: 0.01 s is taken" in done.stderr
+
+
+def test_a_later_ssp_version_is_refused_by_name(read):
+    with pytest.raises(UsageError, match=r"is an SSP 2.0 system structure description; SSP 1.0 is what runs here"):
+        read(ssd(system("root", component("a")), version="2.0"))
