@@ -14,6 +14,7 @@ app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_
 
 DIST = Path(__file__).parent.parent / "fmus" / "dist"
 CONTROLLERS = {"neural": "AhvController", "backstepping": "AhvBackstepping"}
+PLANTS = {"ideal": "AhvPlant", "instrumented": "AhvInstrumentedPlant"}
 FLAVOURS = ("python", "native")
 
 Json = Annotated[bool, typer.Option("--json", help="One JSON object on stdout.")]
@@ -78,11 +79,12 @@ def assemble(fmus: dict[str, Path], presets: dict[str, str], values: dict[str, d
     return closed_loop(components["scenario"], components["controller"], components["plant"])
 
 
-def planned(plan: Any, controller: str, presets: dict[str, str], flavour: str, words: list[str]) -> System:
+def planned(plan: Any, controller: str, presets: dict[str, str], flavour: str, words: list[str],
+            plant: str = "ideal") -> System:
     """The closed loop of the scenario `plan`, with --set `words` applied last."""
     fmus = {"scenario": fmu_path(flavour, "AhvScenario"),
             "controller": fmu_path(flavour, CONTROLLERS[choice("controller", controller, CONTROLLERS)]),
-            "plant": fmu_path(flavour, "AhvPlant")}
+            "plant": fmu_path(flavour, PLANTS[choice("plant", plant, PLANTS)])}
     values = assignments([f"{name}={value}" for name, value in plan.set.items()])
     for component, given in assignments(words).items():
         values.setdefault(component, {}).update(given)
@@ -105,6 +107,7 @@ def run(
     controller: Annotated[str, typer.Option(help="neural or backstepping.")] = "neural",
     preset: Annotated[str, typer.Option(help="Of the controller; COMPONENT=NAME,... for others too.")] = "calibrated",
     flavour: Annotated[str, typer.Option(help="native or python.")] = "native",
+    plant: Annotated[str, typer.Option(help="ideal, or instrumented: actuators and sensors as they are.")] = "ideal",
     step: Annotated[float, typer.Option(help="Communication step, s.")] = 0.01,
     stop: Annotated[float | None, typer.Option(help="End, s; else the scenario's.")] = None,
     algorithm: Algorithm = "gauss-seidel",
@@ -122,7 +125,7 @@ def run(
 
     plan = scenarios.load(scenario)
     presets = {**plan.presets, **chosen_presets(preset)}
-    system = planned(plan, controller, presets, flavour, set_)
+    system = planned(plan, controller, presets, flavour, set_, plant)
     folder = out or Path("results") / plan.name
     prepare_folder(folder)
 

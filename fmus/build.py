@@ -12,6 +12,7 @@ DIST = Path(__file__).parent / "dist"
 # Adding a model: name its module here.
 MODELS = {
     "AhvPlant": "ahv_plant_fmu.model",
+    "AhvInstrumentedPlant": "ahv_plant_fmu.instrumented_model",
     "AhvController": "ahv_ctrl_fmu.neural_model",
     "AhvBackstepping": "ahv_ctrl_fmu.backstepping_model",
     "AhvScenario": "cosim.scenario.model",
