@@ -22,10 +22,22 @@ def main(job_file: str, results: str, mark: str) -> None:
     bench = Bench(job, Mark(Path(mark)), Path(results))
     for name in job.probes:
         bench.note("begin", name)
-        _run(bench, name)
+        is_loaded = _load(bench)
+        if is_loaded:
+            _run(bench, name)
         bench.note("end", name)
-        if bench.library.is_corrupt or bench.is_single:
+        if not is_loaded or bench.library.is_corrupt or bench.is_single:
             return  # the parent starts a new process for the probes that are left
+
+
+def _load(bench: Bench) -> bool:
+    try:
+        return bench.library is not None
+    except OSError as problem:
+        reason = str(problem).replace(bench.job.library, Path(bench.job.library).name)
+        severity = "warning" if bench.job.claims.get("needsExecutionTool") else None
+        bench.fault("dynamic.load", "binaries", reason, "a library that loads", severity)
+        return False
 
 
 def _run(bench: Bench, name: str) -> None:
@@ -40,6 +52,8 @@ def _run(bench: Bench, name: str) -> None:
         # An FMU that needs a tool says nothing about the specification when the tool is not at hand.
         severity = "warning" if bench.job.claims.get("needsExecutionTool") else None
         bench.fault("dynamic.instantiate", "fmi2Instantiate", "a null pointer", "an instance", severity)
+    except Exception as problem:  # a fault of this checker is no finding about the FMU
+        bench.skip(name, f"this checker failed with {type(problem).__name__}: {problem}")
 
 
 def _report(bench: Bench, name: str, failure: CallFailed) -> None:

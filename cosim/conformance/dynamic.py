@@ -51,7 +51,8 @@ def run(fmu: Fmu, report: Report, work: Path, time_limit: float, cycles: int) ->
     while job.probes:
         done = _one_child(job, report, work, time_limit)
         if done == 0:
-            raise RuntimeError(f"the checking process did not begin with '{job.probes[0]}'; see {work / 'stderr.txt'}")
+            reason = (work / "stderr.txt").read_text("utf-8", "replace").strip() or "no reason given"
+            raise RuntimeError(f"the checking process did not begin with '{job.probes[0]}': {reason}")
         why = next((_FATAL_RULES[f.rule] for f in report.findings if _ends_it(f)), None)
         if why:
             report.skip("the probes after that", why)
@@ -61,7 +62,7 @@ def run(fmu: Fmu, report: Report, work: Path, time_limit: float, cycles: int) ->
 
 def _ends_it(finding: Finding) -> bool:
     """Whether further probes would only find the same again (a hang after a master's mistake is a warning only)."""
-    return finding.rule in _FATAL_RULES and finding.severity == ERROR
+    return finding.rule == "dynamic.load" or (finding.rule == "dynamic.hang" and finding.severity == ERROR)
 
 
 def host_platform() -> str:
@@ -152,9 +153,7 @@ def _one_child(job: Job, report: Report, work: Path, time_limit: float) -> int:
             _end(child)
     begun, ended = _take_results(files[1], report)
     if len(begun) > len(ended):
-        _judge_death(
-            report, job, begun[-1], stopped or _death(child.returncode), Mark.read(files[2])[1], work, time_limit
-        )
+        _judge_death(report, begun[-1], stopped or _death(child.returncode), Mark.read(files[2])[1], time_limit)
     return len(begun)
 
 
@@ -206,7 +205,7 @@ def _take_results(results: Path, report: Report) -> tuple[list[str], list[str]]:
     return begun, ended
 
 
-def _judge_death(report: Report, job: Job, probe: str, death: str, call: str, work: Path, time_limit: float) -> None:
+def _judge_death(report: Report, probe: str, death: str, call: str, time_limit: float) -> None:
     """A probe began and did not end: say why. A crash after an illegal call is no error: the master began it."""
     severity = None if PROBES[probe].legal else WARNING
     if death == "slow":
@@ -214,10 +213,6 @@ def _judge_death(report: Report, job: Job, probe: str, death: str, call: str, wo
     elif death == "hang":
         found = f"{call} did not return within {time_limit:g} s (probe '{probe}')"
         report.add("dynamic.hang", Fault(call, found, "a status, in time"), severity)
-    elif probe == "load" and death.startswith("exit"):
-        lines = (work / "stderr.txt").read_text("utf-8", "replace").strip().splitlines()
-        fault = Fault("binaries", lines[-1] if lines else "no reason given", "a library that loads")
-        report.add("dynamic.load", fault, WARNING if job.claims.get("needsExecutionTool") else None)
     else:
         found = f"{call} ended the process with {death} (probe '{probe}')"
         if not any((f.rule, f.variable) == ("dynamic.crash", call) for f in report.findings):

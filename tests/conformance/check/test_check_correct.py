@@ -86,6 +86,13 @@ def test_slow_fmu_gets_no_finding_and_the_report_says_what_was_left(tmp_path: Pa
     assert "slow" in _skipped(report)
 
 
+@pytest.mark.parametrize("macro", ["UNRESOLVED", "NO_INSTANCE"])
+def test_missing_tool_of_an_fmu_that_needs_one_is_no_error(tmp_path: Path, macro: str) -> None:
+    xml = swapped('modelIdentifier="Fixture"', 'modelIdentifier="Fixture" needsExecutionTool="true"')
+    report = check(write(tmp_path / "Fixture.fmu", members(xml, defect=macro)), cycles=100)
+    assert [finding.severity for finding in report.findings] == ["warning"]
+
+
 def test_stored_instead_of_deflated_is_no_error(tmp_path: Path) -> None:
     assert _told(check(write(tmp_path / "Fixture.fmu", members(), zipfile.ZIP_STORED), dynamic=False)) == []
 
