@@ -81,9 +81,9 @@ def test_sanitizers_have_nothing_to_report_in_1000_cycles(sanitized):
 
 def test_memory_does_not_grow_over_the_cycles(members, loop):
     def peak(cycles: int) -> int:
-        return int(run(loop, *(m.library() for m in members), 0.05, cycles).split()[4])
+        return int(run(loop, *(m.library() for m in members), 0.01, cycles).split()[4])
 
-    assert peak(3000) - peak(100) < 64  # KB
+    assert peak(10_000) - peak(100) < 500  # KB: less than pages laid out otherwise and far less than anything left
 
 
 @pytest.mark.parametrize(("model", "calls"), [("AhvController", 20_000), ("AhvPlant", 20_000), *(
