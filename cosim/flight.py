@@ -22,6 +22,7 @@ from .system import System
 
 CHUNK_S = 0.1  # wall time between two looks at the world
 Progress = Callable[[float], None]
+MakeRecorder = Callable[[list[Signal]], Recorder]
 
 
 @dataclass
@@ -47,6 +48,9 @@ class Flight:
         return any(c.name == name for c in self.columns)
 
 
+Begun = Callable[[Flight, dict[tuple[int, int], tuple[str, str, int]]], None]
+
+
 def tick_count(step: float, stop: float) -> int:
     """Whole number of communication steps to `stop`; UsageError if it is none, or not sensible."""
     if not (0 < step < float("inf") and 0 < stop < float("inf")):
@@ -59,13 +63,15 @@ def tick_count(step: float, stop: float) -> int:
 
 def fly(system: System, step: float, stop: float, algorithm: str | Method = "gauss-seidel",
         progress: Progress | None = None, *, record: list[str] | None = None, decimate: int = 1,
-        plain: bool = False, real_time: float | None = None, stream: Path | None = None) -> Flight:
+        plain: bool = False, real_time: float | None = None, stream: Path | None = None,
+        recorder: MakeRecorder | None = None, begun: Begun | None = None) -> Flight:
     """Fly `system` from 0 to `stop` (s) in communication steps of `step` (s).
 
     `algorithm` is a word as in `algorithms.method`. `record` picks the variables to keep, by component.variable with *
     for any (None: all numeric outputs), `decimate` every how many ticks; `stream` is a Parquet file to
     write them to as they come, and then memory keeps a part only. `plain` takes the tick loop in Python. `real_time`
-    paces the run, times that factor.
+    paces the run, times that factor. `recorder` makes another place for the rows, and `begun` is told before the first
+    tick what is known by then, with the FMU calls of the programs.
 
     An FMU that refuses a step ends the run early: what was flown is in the result, `finished` is false
     and `message` names the FMU, the call, the time and its reason. So does Ctrl-C.
@@ -79,35 +85,47 @@ def fly(system: System, step: float, stop: float, algorithm: str | Method = "gau
     with open_files(system) as files:
         master = Master(system, files, record, plain, decimate > 1)
         try:
-            return fly_loaded(master, chosen, step, ticks, progress, decimate, real_time, stream, began)
+            return fly_loaded(master, chosen, step, ticks, progress, decimate, real_time,
+                              recorder(master.columns) if recorder else make_recorder(master.columns, stream),
+                              begun, began)
         finally:
             master.close()
 
 
+def make_recorder(columns: list[Signal], stream: Path | None) -> Recorder:
+    return Recorder(columns) if stream is None else Stream(columns, stream)
+
+
 def fly_loaded(master: Master, chosen: Method, step: float, ticks: int, progress: Progress | None = None,
-               decimate: int = 1, real_time: float | None = None, stream: Path | None = None,
-               began: float | None = None) -> Flight:
+               decimate: int = 1, real_time: float | None = None, recorder: Recorder | None = None,
+               begun: Begun | None = None, began: float | None = None) -> Flight:
     """The same with FMUs that are loaded, or were reset (`Master.reset`)."""
     began = time.perf_counter() if began is None else began
-    recorder = Recorder(master.columns) if stream is None else Stream(master.columns, stream)
+    recorder = recorder or Recorder(master.columns)
     plan = Plan(0.0, step, ticks, recorder, decimate)
     try:
+        if real_time is not None and not 0 < real_time < float("inf"):
+            raise UsageError(f"--real-time {real_time:g} must be a positive number.")
         flier = chosen.algorithm(master, chosen.options, plan)
         master.initialise(0.0, plan.stop)
+        flight = Flight(time=np.empty(0), signals=np.empty((0, len(master.columns))), columns=master.columns,
+                        finished=False, message="", startup_s=0.0, wall_s=0.0,
+                        parameters={i.name: inquire(i) for i in master.instances}, fmus=origins(master))
+        flight.startup_s = time.perf_counter() - began
+        if begun:
+            begun(flight, master.calls())
         recorder.add(0.0, master.row())
-        parameters = {i.name: inquire(i) for i in master.instances}
     except BaseException:
         recorder.abandon()
         raise
-    startup = time.perf_counter() - began
     pace = Pace(real_time, step) if real_time else None
     began = time.perf_counter()
-    message = ascend(flier, plan, progress, pace)
-    wall = time.perf_counter() - began
-    times, rows = recorder.finish()
-    return Flight(time=times, signals=rows, columns=master.columns, finished=not message, message=message,
-                  startup_s=startup, wall_s=wall, parameters=parameters, fmus=origins(master),
-                  ticks=flier.ticks, lateness=pace.report() if pace else None)
+    flight.message = ascend(flier, plan, progress, pace)
+    flight.wall_s = time.perf_counter() - began
+    flight.time, flight.signals = recorder.finish()
+    flight.finished, flight.ticks = not flight.message, flier.ticks
+    flight.lateness = pace.report() if pace else None
+    return flight
 
 
 def ascend(flier: Any, plan: Plan, progress: Progress | None, pace: Pace | None) -> str:

@@ -41,8 +41,11 @@ MOST_MESSAGES = 1000
 
 def log(_environment: Any, instance: bytes, status: int, _category: bytes, message: bytes) -> None:
     said = MESSAGES.setdefault(instance.decode("utf-8", "replace"), [])
-    if status > OK and len(said) < MOST_MESSAGES:
-        said.append(message.decode("utf-8", "replace"))
+    if status > OK:
+        text = message.decode("utf-8", "replace")
+        watch.said(text)
+        if len(said) < MOST_MESSAGES:
+            said.append(text)
 
 
 def make_callbacks() -> fmi2CallbackFunctions:
@@ -264,7 +267,7 @@ class Instance:
             self.slave.fmi2FreeInstance(self.slave.component)
             if hasattr(self.slave.dll, "finalizePythonInterpreter"):
                 # pythonfmu 0.7.0 does this as its library goes, after its static objects: a write to freed memory that
-                # can abort the process at its end. Done before, it finds nothing to do. The interpreter stays: it is ours.
+                # can abort the process at its end. Done before, it finds nothing to do. The interpreter stays.
                 self.slave.dll.finalizePythonInterpreter()
             self.slave.freeLibrary()
         self.alive = False

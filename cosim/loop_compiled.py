@@ -54,15 +54,15 @@ def kernel(ops, groups, parts, where, factor, offset, reals, wholes, pointers, s
            first, count, start, step, decimate):  # type: ignore[no-untyped-def]
     """Ticks first ... first + count - 1, of `step` from `start`; a row of the recorded signals after each tick whose
     number, counted from 1, `decimate` divides (0: none). Returns 0, or the status of the call that failed; `cursor`
-    has the tick, the row of `ops`, and the number of rows written, at any time."""
+    has the tick, the row of `ops`, the number of rows written, and the row's code and index, at any time."""
     for tick in range(first, first + count):
         cursor[0] = tick
         t = start + tick * step
         for i in range(ops.shape[0]):
             if ops[i, 2] != 1 and tick % ops[i, 2] != ops[i, 3]:
                 continue
-            cursor[1] = i
             code, g = ops[i, 0], ops[i, 1]
+            cursor[1], cursor[3], cursor[4] = i, code, g
             status = np.int32(0)
             if code == STEP:
                 status = call_step(parts[g, DO_STEP], parts[g, INSTANCE], t, ops[i, 4] * step,

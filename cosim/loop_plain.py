@@ -53,7 +53,7 @@ class Loop:
             for i, action, code, index, period, phase, reach in listed:
                 if period != 1 and tick % period != phase:
                     continue
-                cursor[1] = i
+                cursor[1], cursor[3], cursor[4] = i, code, index
                 status = action(code, index, t, reach * step, step)
                 if status > 1:
                     return int(status)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from . import program as P
+from . import watch
 from .errors import RunError
 from .fmu import FmuFile, Instance
 from .initialise import initialise
@@ -45,7 +46,8 @@ class Master:
             raise
         self.number = {c.name: i for i, c in enumerate(system.components)}
         self.loop = make_loop(plain, self.wiring)
-        self.cursor = np.zeros(3, np.int64)
+        self.cursor = watch.place.cursor if watch.place else np.zeros(5, np.int64)
+        self.span = watch.place.span if watch.place else np.zeros(2)
 
     def _checked(self, system: System) -> dict[str, dict[str, Value]]:
         return {c.name: {n: self.files[c.name].checked(n, x, c.name) for n, x in c.values.items()}
@@ -102,6 +104,7 @@ class Master:
     def attempt(self, ops: np.ndarray, first: int, count: int, start: float, step: float,
                 rows: np.ndarray, times: np.ndarray, decimate: int) -> int:
         """Carry out `ops` on `count` ticks (see `loop_compiled.kernel`); the status of the call that failed, or 0."""
+        self.span[:] = start, step
         return self.loop.run(ops, rows, times, self.cursor, first, count, start, step, decimate)
 
     def run(self, ops: np.ndarray, first: int, count: int, start: float, step: float) -> None:
@@ -113,13 +116,31 @@ class Master:
         if status == 0:
             return
         tick, at = int(self.cursor[0]), int(self.cursor[1])
-        part, call, late = described(self, ops[at])
+        part, call, late = self.described(*ops[at, :2].tolist())
         time = start + (tick + late) * step
         instance = self.instances[part]
         if status == P.TOO_LONG:
             raise RunError(f"{instance.name} ({instance.file.path.name}) shows a text longer than {LONGEST_TEXT - 1} "
                            f"bytes at t = {time:.6g} s.")
         instance.check(status, call, time)
+
+    def described(self, code: int, index: int) -> tuple[int, str, int]:
+        """(component, FMI call, 1 if it belongs to the end of the tick) of a row of a program."""
+        if code in (P.SET, P.PREDICT, P.SLOPE, P.GET):
+            group = self.wiring.every_group[index]
+            return group.owner, CALLS[code].format(group.suffix), int(code == P.GET)
+        return index, CALLS.get(code, "a call"), 0
+
+    def calls(self) -> dict[tuple[int, int], tuple[str, str, int]]:
+        """(code, index) of all rows that call an FMU -> (its name and file, FMI call, 1 if at the end of the tick)."""
+        found = {}
+        for code in CALLS:
+            of_groups = code in (P.SET, P.PREDICT, P.SLOPE, P.GET)
+            for index in range(len(self.wiring.every_group) if of_groups else len(self.instances)):
+                part, call, late = self.described(code, index)
+                instance = self.instances[part]
+                found[code, index] = f"{instance.name} ({instance.file.path.name})", call, late
+        return found
 
     def can_save(self) -> list[str]:
         """Components that cannot save and restore their state."""
@@ -136,16 +157,6 @@ class Master:
 
 
 NO_ROWS, NO_TIMES = np.empty((0, 0)), np.empty(0)
-
-
-def described(master: Master, op: Any) -> tuple[int, str, int]:
-    """(component, FMI call, 1 if it belongs to the end of the tick) of a row of a program."""
-    code, index = int(op[0]), int(op[1])
-    if code in (P.SET, P.PREDICT, P.SLOPE, P.GET):
-        group = next(g for groups in (*master.wiring.inputs, *master.wiring.outputs) for g in groups
-                     if g.number == index)
-        return group.owner, CALLS[code].format(group.suffix), int(code == P.GET)
-    return index, CALLS.get(code, ""), 0
 
 
 def make_loop(plain: bool, wiring: Any) -> Any:

@@ -55,6 +55,7 @@ class Wiring:
     sources: np.ndarray = field(default_factory=lambda: np.empty(0, np.int64))      # slots that are connected
     inputs: list[list[Group]] = field(default_factory=list)  # of each component
     outputs: list[list[Group]] = field(default_factory=list)
+    every_group: list[Group] = field(default_factory=list)   # in the order of `groups`
     groups: np.ndarray = field(default_factory=lambda: np.empty((0, 11), np.int64))
     parts: np.ndarray = field(default_factory=lambda: np.empty((0, 7), np.int64))
     where: np.ndarray = field(default_factory=lambda: np.empty(0, np.int64))        # links: slot, factor, offset
@@ -184,6 +185,7 @@ class Wirer:
         instance = self.instances[number]
         group = Group(verb, suffix, number, names, len(self.rows), connected,
                       suffix == "Real" and bool(instance.cosimulation.canInterpolateInputs))
+        self.wiring.every_group.append(group)
         self.rows.append([instance.address(f"fmi2{verb}{suffix}"), instance.pointer, 0, len(names), 0,
                           len(self.links), KIND[suffix], number,
                           instance.address("fmi2SetRealInputDerivatives") if group.interpolates else 0, 0, 0])

@@ -95,7 +95,7 @@ class Fixed:
         if count == 0:
             ops, count, decimate = self.last_ops, 1, 1
         rows, times = plan.recorder.room(count // decimate + 1)
-        self.master.cursor[:] = self.ticks, 0, 0
+        self.master.cursor[:3] = self.ticks, 0, 0
         status = self.master.attempt(ops, self.ticks, count, plan.start, plan.step, rows, times, decimate)
         self.ticks = self.ticks + count if status == 0 else int(self.master.cursor[0])
         plan.recorder.took(int(self.master.cursor[2]))
