@@ -112,6 +112,11 @@ def run(
     stop: Annotated[float | None, typer.Option(help="End, s; else the scenario's.")] = None,
     algorithm: Algorithm = "gauss-seidel",
     plain: Annotated[bool, typer.Option("--plain", help="Tick in plain Python, not in compiled code.")] = False,
+    real_time: Annotated[float | None, typer.Option(metavar="FACTOR", help="Pace: FACTOR times real time.")] = None,
+    isolate: Annotated[bool, typer.Option("--isolate", help="Fly in a process of its own, which may crash.")] = False,
+    time_limit: Annotated[float | None, typer.Option(metavar="S", help="Of one FMU call; isolates.")] = None,
+    stream: Annotated[bool, typer.Option("--stream", help="Write signals.parquet as it flies, for long runs; no CSV, "
+                                         "and metrics and figures from a part of the rows.")] = False,
     set_: Set = [],  # noqa: B006  (typer wants a list)
     decimate: Annotated[int, typer.Option(help="Write every N-th tick.", min=1)] = 1,
     out: Annotated[Path | None, typer.Option(help="Folder; else results/SCENARIO.")] = None,
@@ -119,7 +124,7 @@ def run(
 ) -> None:
     """Fly a scenario and write signals, run.json and figures."""
     from . import scenarios
-    from .flight import fly, progress_bar
+    from .flight import progress_bar
     from .metrics import metrics
     from .results import prepare_folder, write
 
@@ -132,7 +137,8 @@ def run(
     end = plan.stop if stop is None else stop
     bar, progress = progress_bar(f"{plan.name}", end)
     with bar:
-        flight = fly(system, step, end, algorithm, progress, plain=plain)
+        flight = launch(system, step, end, algorithm, progress, isolate, time_limit, plain=plain, real_time=real_time,
+                        **({"decimate": decimate, "stream": folder / "signals.parquet"} if stream else {}))
     ticks = flight.ticks
     summary = {
         "scenario": plan.name, "controller": controller, "preset": presets["controller"], "flavour": flavour,
@@ -140,14 +146,25 @@ def run(
         "departed_at_s": None if flight.finished else float(flight.time[-1]),
         **metrics(flight),
         "real_time_factor": float(flight.time[-1]) / flight.wall_s if ticks else 0.0, "out": str(folder),
+        **({"lateness": flight.lateness} if flight.lateness else {}),
     }
-    write(folder, flight, summary, decimate)
+    write(folder, flight, summary, decimate, stream)
     from .figures import write as write_figures  # matplotlib takes its time
 
     write_figures(folder, flight, f"{plan.name}, {controller} ({presets['controller']})", plan.first_figure)
     report(summary, as_json)
     if not flight.finished:
         raise RunError(flight.message)
+
+
+def launch(system: System, step: float, stop: float, algorithm: str, progress: Any, isolate: bool,
+           time_limit: float | None, **options: Any) -> Any:
+    """`flight.fly`, here or in a process of its own."""
+    if isolate or time_limit is not None:
+        from .isolated import fly_isolated
+        return fly_isolated(system, step, stop, algorithm, progress, time_limit, **options)
+    from .flight import fly
+    return fly(system, step, stop, algorithm, progress, **options)
 
 
 @app.command()

@@ -11,6 +11,7 @@ import pyarrow.parquet
 
 from .errors import UsageError
 from .flight import Flight
+from .recording import schema
 
 PACKAGES = ("ahv", "fmpy", "pythonfmu", "numpy", "casadi")
 
@@ -29,18 +30,17 @@ def prepare_folder(out: Path) -> None:
 def table(flight: Flight, decimate: int = 1) -> pa.Table:
     """Every `decimate`-th row and the last, with unit and description of each column in its metadata."""
     rows = sorted({*range(0, len(flight.time), decimate), len(flight.time) - 1})
-    fields = [pa.field("time", pa.float64(), metadata={"unit": "s", "description": "simulated time"})]
-    fields += [pa.field(c.name, pa.float64(), metadata={"unit": c.unit, "description": c.description})
-               for c in flight.columns]
     arrays = [flight.time[rows], *flight.signals[rows].T]
-    return pa.Table.from_arrays([pa.array(a) for a in arrays], schema=pa.schema(fields))
+    return pa.Table.from_arrays([pa.array(a) for a in arrays], schema=schema(flight.columns))
 
 
-def write(out: Path, flight: Flight, summary: dict[str, Any], decimate: int = 1) -> None:
-    """Write the signals and run.json below `out`; figures are `cosim.figures`' part."""
-    signals = table(flight, decimate)
-    pyarrow.parquet.write_table(signals, out / "signals.parquet")
-    pyarrow.csv.write_csv(signals, out / "signals.csv")
+def write(out: Path, flight: Flight, summary: dict[str, Any], decimate: int = 1, streamed: bool = False) -> None:
+    """Write the signals (unless they were `streamed` there) and run.json below `out`; figures are `cosim.figures`'
+    part."""
+    if not streamed:
+        signals = table(flight, decimate)
+        pyarrow.parquet.write_table(signals, out / "signals.parquet")
+        pyarrow.csv.write_csv(signals, out / "signals.csv")
     record = {
         **summary,
         "message": flight.message,
