@@ -4,7 +4,8 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import UsageError
-from ..flight import fly, progress_bar
+from ..flight import progress_bar
+from ..isolated import fly_isolated
 from ..results import prepare_folder, write
 from .load import loaded
 
@@ -36,14 +37,14 @@ def simulate(path: Path, step: float | None, stop: float | None, algorithm: str,
         prepare_folder(folder)
         bar, progress = progress_bar(found.name, end)
         with bar:
-            flight = fly(found.system, size, end, algorithm, progress)
+            flight = fly_isolated(found.system, size, end, algorithm, progress)  # a stranger's FMUs may crash
     for component, fmu in flight.fmus.items():
         fmu["file"] = f"{path}/{found.sources[component]}"
-    last, ticks = float(flight.time[-1]), len(flight.time) - 1
+    last = float(flight.time[-1])
     summary = {
         "system": found.name, "components": list(found.sources), "algorithm": algorithm, "step_s": size, "stop_s": end,
-        "ticks": ticks, "finished": flight.finished, "departed_at_s": None if flight.finished else last,
-        "real_time_factor": last / flight.wall_s if ticks else 0.0, "out": str(folder),
+        "ticks": flight.ticks, "finished": flight.finished, "departed_at_s": None if flight.finished else last,
+        "real_time_factor": last / flight.wall_s if flight.ticks else 0.0, "out": str(folder),
     }
     write(folder, flight, summary)
     return summary, flight.message

@@ -1,4 +1,6 @@
-"""A small FMU of pythonfmu's own make for tests of SSP: y = k * u, a whole number, a truth and a text."""
+"""A small FMU of pythonfmu's own make for tests of SSP: y = k * u, a whole number, a truth and a text; it can crash."""
+import os
+
 from pythonfmu import Boolean, Fmi2Causality, Fmi2Slave, Fmi2Variability, Integer, Real, String
 
 PARAMETER = {"causality": Fmi2Causality.parameter, "variability": Fmi2Variability.tunable}
@@ -19,5 +21,7 @@ class Gain(Fmi2Slave):
         self.register_variable(String("label", **PARAMETER))
 
     def do_step(self, current_time, step_size):
+        if self.label == "crash" and current_time > 0.6:
+            os.abort()
         self.y = self.k * self.u if self.on else 0.0
         return True

@@ -162,6 +162,15 @@ def test_a_jacobi_step_is_one_step_late(tmp_path):
     assert table["b.y"].to_pylist() == [0, 0, 2, 2, 2]
 
 
+def test_an_fmu_that_crashes_ends_the_run_and_what_was_flown_is_kept(tmp_path):
+    path = write(tmp_path / "test.ssp", ssd(system("root", component(
+        "a", bindings=inline(parameter("label", "crash", "String"))))))
+    said = ahv("simulate", path, "--step", 0.25, "--out", tmp_path / "out", status=1)
+    assert "a (Gain.fmu)" in said and len(said.strip().splitlines()) == 1
+    assert not json.loads((tmp_path / "out" / "run.json").read_text())["finished"]
+    assert pyarrow.parquet.read_table(tmp_path / "out" / "signals.parquet")["time"].to_pylist() == [0, 0.25, 0.5, 0.75]
+
+
 CHAIN = component("a", y="m") + component("b", u="s")
 REFUSED = {
     "a unit that cannot be converted": (system("root", CHAIN, connection("a.y", "b.u")),
