@@ -43,10 +43,10 @@ VARIABLES = [
     ("drag", "output", "lbf/ft", None, None, None, 1000.0, "drag per foot of depth"),
     ("pitching_moment", "output", "lbf", None, None, None, 10000.0, "pitching moment per foot of depth"),
     ("load_factor", "output", "1", None, None, None, 1.0, "(L + T sin alpha) / (m g)"),
-    ("fuel_ratio_trim", "calculatedParameter", "1", None, None, None, 1.0, "fuel ratio of the trim at V_start, h_start"),
+    ("fuel_ratio_trim", "calculatedParameter", "1", None, None, None, 1.0, "fuel ratio of trim at V_start, h_start"),
     ("elevator_trim", "calculatedParameter", "rad", None, None, None, 0.1, "elevator of that trim"),
     ("theta_trim", "calculatedParameter", "rad", None, None, None, 0.01, "pitch angle of that trim"),
-    ("trim_residual", "calculatedParameter", "1", None, None, None, 1.0, "largest state derivative left at the trim"),
+    ("trim_residual", "calculatedParameter", "1", None, None, None, 1.0, "largest state derivative left at trim"),
 
     ("V_start", "parameter", "ft/s", 7700.0, 5000.0, 15000.0, None, "initial velocity"),
     ("h_start", "parameter", "ft", 85000.0, 50000.0, 150000.0, None, "initial altitude"),

@@ -11,6 +11,7 @@ from pythonfmu.fmi2slave import Fmi2Slave
 from . import floats
 from .interface import names, variables
 
+MOST_INTERNAL_STEPS = 1e7
 ROUNDING = 1e-9  # of a step: 10 ms in steps of 1 ms are 10, not 11
 
 
@@ -183,8 +184,11 @@ class ModelSlave(Fmi2Slave):
         return None
 
     def prepare(self, step):
-        """(step, number and length of internal steps, prepared numbers) for communication steps of `step`."""
+        """(step, number and length of internal steps, prepared numbers) for communication steps of `step`;
+        None if they are too many."""
         count = max(1, ceil(step / self.p.internal_step - ROUNDING)) if self.has_internal_step else 1
+        if count > MOST_INTERNAL_STEPS:
+            return None
         h = step / count
         c = self.model.prepare(floats, self.p, h) if hasattr(self.model, "prepare") else ()
         self.prepared = step, count, h, c
@@ -197,12 +201,14 @@ class ModelSlave(Fmi2Slave):
             return self.discard(f"communication step {step_size} s is not a positive number", current_time)
         if self.refused:
             return self.discard(next(iter(self.refused.values())), current_time)
-        if current_time + step_size > self.stop_time + 1e-6 * step_size:  # the importer may have summed up its steps
+        if current_time + step_size > self.stop_time + 1e-6 * step_size:  # steps may be summed up
             return self.discard(f"a step of {step_size:.6g} s would go past the stop time {self.stop_time:.6g} s",
                                 current_time)
         prepared = self.prepared
         if prepared is None or prepared[0] != step_size:
             prepared = self.prepare(step_size)
+        if prepared is None:
+            return self.discard(f"communication step {step_size} s takes too many internal steps", current_time)
         _, count, h, c = prepared
         x, u, p, advance = self.x, self.u, self.p, self.model.advance
         try:
@@ -221,8 +227,8 @@ class ModelSlave(Fmi2Slave):
 
     def _get_fmu_state(self):
         return {"x": list(self.x), "u": dict(vars(self.u)), "p": dict(vars(self.p)), "time": self.time,
-                "stop_time": self.stop_time, "values": list(self.values.values()), "phase": self.phase, "stale": self.stale,
-                "refused": dict(self.refused)}
+                "stop_time": self.stop_time, "values": list(self.values.values()), "phase": self.phase,
+                "stale": self.stale, "refused": dict(self.refused)}
 
     def _set_fmu_state(self, state):
         self.x = list(state["x"])

@@ -3,7 +3,7 @@ from pathlib import Path
 
 import pytest
 
-from fmus.build import DIST, MODELS, build
+from fmus.build import MODELS, build
 
 
 @pytest.fixture(scope="session")
@@ -15,4 +15,4 @@ def python_fmus() -> dict[str, Path]:
 @pytest.fixture(scope="session")
 def native_fmus() -> dict[str, Path]:
     """The native flavour's files, by model name."""
-    return {name: DIST / "native" / f"{name}.fmu" for name in MODELS}
+    return {name: build(name, "native") for name in MODELS}

@@ -132,5 +132,5 @@ def test_no_step_goes_past_the_stop_time(fmu):
 
 
 def test_calls_out_of_order_are_refused(fmu):
-    with running(fmu) as instance, pytest.raises(RunError, match="not allowed while .* is stepping"):
+    with running(fmu) as instance, pytest.raises(RunError, match=r"not allowed while .* is stepping"):
         instance.simple("fmi2EnterInitializationMode")

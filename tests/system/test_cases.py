@@ -33,7 +33,7 @@ def test_the_calibrated_controller_flies_the_case_within_its_limits(case, flavou
     assert found["finished"] and found["departed_at_s"] is None
     for (group, key), limit in zip(FIGURES, LIMITS[case]):
         assert found[group][key] <= limit, (group, key)
-    assert -20 <= found["elevator_deg"]["min"] and found["elevator_deg"]["max"] <= 20
+    assert found["elevator_deg"]["min"] >= -20 and found["elevator_deg"]["max"] <= 20
 
 
 @pytest.mark.parametrize("case", ["case1", "case2"])

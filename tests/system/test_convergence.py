@@ -1,4 +1,5 @@
 """The co-simulated closed loop against the monolithic one in continuous time."""
+from itertools import pairwise
 from math import log2
 
 import numpy as np
@@ -31,9 +32,9 @@ def test_the_loop_converges_to_the_oracle_with_first_order(exact, tmp_path):
         nominal = [NOMINAL[name] for name in plant.SHOWN_STATES]
         errors.append(np.max(np.abs(found - exact) / nominal, axis=0))
         print(f"{step:.3f}", *(f"{e:9.2e}" for e in errors[-1]))
-    orders = np.array([[log2(b / a) for a, b in zip(fine, coarse)] for fine, coarse in zip(errors, errors[1:])])
+    orders = np.array([[log2(b / a) for a, b in zip(fine, coarse)] for fine, coarse in pairwise(errors)])
     print("order", *(f"{o:9.2f}" for o in orders.mean(axis=0)))
     worst = np.max(errors, axis=1)
-    print("order of the worst variable:", [round(log2(b / a), 4) for a, b in zip(worst, worst[1:])])
-    assert all(b / a >= 2 for a, b in zip(worst, worst[1:]))  # order 1 or better
+    print("order of the worst variable:", [round(log2(b / a), 4) for a, b in pairwise(worst)])
+    assert all(b / a >= 2 for a, b in pairwise(worst))  # order 1 or better
     assert orders.min() > 0.99  # each variable's own scatters about 1 in the third digit
