@@ -45,14 +45,14 @@ def test_the_step_converges_to_the_law_in_continuous_time(V, h, gamma, Q):
     exact = solve_ivp(lambda t, x: law.derivative(floats, list(x), u, p), (0, 0.04), start,
                       method="DOP853", rtol=1e-12, atol=1e-14).y[:, -1]
     errors = []
-    for count in (32, 64):
+    for count in (32, 128):
         length = 0.04 / count
         c, x = law.prepare(floats, p, length), start
         for _ in range(count):
             x = law.advance(floats, 0.0, length, x, u, p, c)
         errors.append(np.abs(np.array(x) - exact) / (1e-3 + np.abs(exact)))
     assert errors[1].max() < 1e-3
-    assert errors[1].max() < errors[0].max() / 3 + 1e-9  # second order
+    assert errors[1].max() < errors[0].max() / 8 + 1e-9  # second order: a sixteenth
 
 
 def test_the_integrals_freeze_while_their_channel_saturates():
