@@ -157,6 +157,65 @@ def run(
         raise RunError(flight.message)
 
 
+@app.command()
+def compare(
+    scenario: Annotated[str, typer.Argument(help="case1, case2, hold, or a YAML file.")],
+    preset: Annotated[str, typer.Option(help="LAW=NAME,... for others than calibrated.")] = "",
+    flavour: Annotated[str, typer.Option(help="python or native.")] = "native",
+    plant: Annotated[str, typer.Option(help="ideal, or instrumented: actuators and sensors as they are.")] = "ideal",
+    step: Annotated[float, typer.Option(help="Communication step, s.")] = 0.01,
+    stop: Annotated[float | None, typer.Option(help="End, s; else the scenario's.")] = None,
+    out: Annotated[Path | None, typer.Option(help="Folder; else results/compare_SCENARIO.")] = None,
+    as_json: Json = False,
+) -> None:
+    """Fly every control law on the same scenario: a table, and figures with a curve for each.
+
+    The backstepping law is a reconstruction of the one that the paper compares with.
+    """
+    from . import scenarios
+    from .compare import compare as fly_both
+    from .compare import verdict
+    from .compare import write as write_figures
+    from .results import prepare_folder
+
+    plan = scenarios.load(scenario)
+    presets = dict.fromkeys(CONTROLLERS, "calibrated")
+    for law, name in (pair.split("=", 1) for pair in preset.split(",") if "=" in pair):
+        presets[choice("preset", law, CONTROLLERS)] = name
+    folder = out or Path("results") / f"compare_{plan.name}"
+    prepare_folder(folder)
+    systems = {law: planned(plan, law, {**plan.presets, "controller": presets[law]}, flavour, [], plant)
+               for law in CONTROLLERS}
+    flights, rows = fly_both(systems, presets, step, plan.stop if stop is None else stop)
+    write_figures(folder, flights, plan.name)
+    summary = {"scenario": plan.name, "flavour": flavour, "step_s": step, "controllers": rows,
+               "verdict": verdict(rows), "out": str(folder)}
+    (folder / "compare.json").write_text(json.dumps(summary, indent=2) + "\n")
+    if as_json:
+        print(json.dumps(summary))
+    else:
+        report_rows(rows)
+        print(f"{summary['verdict']} Figures: {folder}")
+    if not all(flight.finished for flight in flights.values()):
+        raise RunError(" ".join(f"{law}: {flight.message}" for law, flight in flights.items() if flight.message))
+
+
+def report_rows(rows: dict[str, dict[str, Any]]) -> None:
+    """A table with a column for each of `rows`."""
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table("", *rows)
+    flat: dict[str, dict[str, Any]] = {}
+    for law, row in rows.items():
+        for key, value in row.items():
+            for part, number in (value.items() if isinstance(value, dict) else [("", value)]):
+                flat.setdefault(f"{key} {part}".strip(), {})[law] = number
+    for key, found in flat.items():
+        table.add_row(key, *(f"{v:.4g}" if isinstance(v, float) else str(v) for v in map(found.get, rows)))
+    Console().print(table)
+
+
 def launch(system: System, step: float, stop: float, algorithm: str, progress: Any, isolate: bool,
            time_limit: float | None, **options: Any) -> Any:
     """`flight.fly`, here or in a process of its own."""

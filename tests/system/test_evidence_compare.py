@@ -1,0 +1,48 @@
+"""The two laws side by side, as `ahv compare` shows them; the rival is a reconstruction."""
+import json
+
+import numpy as np
+import pytest
+from test_cases import ahv
+
+from cosim.compare import settling
+
+
+@pytest.fixture(scope="module", params=["case1", "case2"])
+def compared(request, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("compare")
+    found = json.loads(ahv("compare", request.param, "--json", "--out", folder))
+    return found, folder
+
+
+def test_both_laws_fly_the_case_and_the_table_is_complete(compared):
+    found, folder = compared
+    assert list(found["controllers"]) == ["neural", "backstepping"]
+    for row in found["controllers"].values():
+        assert row["finished"] and row["departed_at_s"] is None
+        assert 40 < row["altitude_settling_s"] < 60 and 40 < row["velocity_settling_s"] < 60
+        assert row["states"] > 10 and row["parameters"] > row["preset_parameters"] > 10
+    assert len(list(folder.glob("compare_*.png"))) == 5
+
+
+def test_the_neural_law_tracks_altitude_better_the_rival_velocity(compared):
+    neural, rival = compared[0]["controllers"].values()
+    for key in ("max_abs", "rms"):
+        assert neural["altitude_error_ft"][key] < 0.9 * rival["altitude_error_ft"][key]
+        assert rival["velocity_error_fps"][key] < 0.9 * neural["velocity_error_fps"][key]
+    assert "neural has the smaller largest altitude error" in compared[0]["verdict"]
+
+
+def test_the_neural_law_costs_more_per_step(compared):
+    neural, rival = compared[0]["controllers"].values()
+    assert neural["cost_per_step_us"] > rival["cost_per_step_us"]
+    assert neural["states"] > rival["states"]
+
+
+def test_settling_is_the_longest_of_all_steps_and_none_where_there_is_none():
+    time = np.arange(0, 10, 0.1)
+    command = np.where(time < 4.95, 1.0, 3.0)
+    found = np.where(time < 4.95, 1 - np.exp(-2 * time), 3 - 2 * np.exp(-2 * (time - 5)))
+    assert settling(time, command, found) == pytest.approx(np.log(50) / 2, abs=0.11)
+    assert settling(time, np.ones(100), np.ones(100)) is None
+    assert settling(time, command, 0 * time) is None
