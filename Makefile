@@ -1,7 +1,7 @@
 PYTHON ?= python3
 BIN := .venv/bin
 
-.PHONY: setup build demo test lint slow clean
+.PHONY: setup build demo test lint slow foreign-hosts clean
 
 setup: .venv/ready
 
@@ -28,6 +28,10 @@ lint: setup
 # What is too long for the everyday suite.
 slow: build
 	$(BIN)/pytest -m slow
+
+# The native controller in hosts for Windows (Debian's wine64) and Arm (qemu-user), and the long valgrind runs.
+foreign-hosts: build
+	$(BIN)/pytest -m slow tests/conformance/test_native_hosts.py
 
 clean:
 	rm -rf .venv results fmus/dist

@@ -92,12 +92,15 @@ def planned(plan: Any, controller: str, presets: dict[str, str], flavour: str, w
 
 
 @app.command()
-def build(flavour: Annotated[str, typer.Option(help="python, native or all.")] = "all") -> None:
+def build(
+    flavour: Annotated[str, typer.Option(help="python, native or all.")] = "all",
+    arm: Annotated[bool, typer.Option("--arm", help="Also binaries for Arm (native flavour).")] = False,
+) -> None:
     """Write the FMU files to fmus/dist/FLAVOUR/."""
     from fmus.build import FLAVOURS as known
     from fmus.build import build_all
 
-    for path in build_all(list(known) if flavour == "all" else [choice("flavour", flavour, [*known, "all"])]):
+    for path in build_all(list(known) if flavour == "all" else [choice("flavour", flavour, [*known, "all"])], arm):
         print(path, file=sys.stderr)
 
 
