@@ -43,7 +43,7 @@ class Structure:
     name: str
     start: float | None
     stop: float | None
-    step: float | None          # SSP has none; libcosim's annotation gives one
+    step: float | None          # SSP has none; annotations of libcosim and OMSimulator give one
     units: dict[str, Unit]
     elements: dict[Path_, Element] = field(default_factory=dict)
     links: list[Link] = field(default_factory=list)
@@ -89,8 +89,10 @@ def read(root: Node) -> Structure:
     Raises UsageError for what is not supported, by name.
     """
     experiment = root.find(f"{SSD}DefaultExperiment")
-    structure = Structure(root.get("name"), number(experiment, "startTime"), number(experiment, "stopTime"),
-                          number(root.find(f".//{OSP}FixedStepAlgorithm"), "baseStepSize"), units(root, SSD))
+    step = (number(root.find(f".//{OSP}FixedStepAlgorithm"), "baseStepSize")
+            or number(root.find(".//{*}FixedStepMaster"), "stepSize"))
+    structure = Structure(root.get("name"), number(experiment, "startTime"), number(experiment, "stopTime"), step,
+                          units(root, SSD))
     read_system(root.find(f"{SSD}System"), (), structure)
     return structure
 

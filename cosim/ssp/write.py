@@ -1,8 +1,10 @@
 """Writes a system as SSP 1.0: SystemStructure.ssd, the FMUs, and one parameter set (SSV) for each component.
 
 Beside the standard, so that more tools read it: the prefixes ssd, ssc and ssv, which libcosim and ecos look for
-by those letters; libcosim's annotation of the step; one name for all parameter sets, by which ecos applies them.
+by those letters; the annotations from which libcosim and OMSimulator take the step and a fixed-step master; one name
+for all parameter sets, by which ecos applies them; a name that is an identifier, as OMSimulator wants it.
 """
+import re
 from collections.abc import Iterable
 from pathlib import Path
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
@@ -18,6 +20,7 @@ PREFIXES = {
     "xmlns:ssc": "http://ssp-standard.org/SSP1/SystemStructureCommon",
     "xmlns:ssv": "http://ssp-standard.org/SSP1/SystemStructureParameterValues",
     "xmlns:osp": "http://opensimulationplatform.com/SSP/OSPAnnotations",
+    "xmlns:oms": "https://raw.githubusercontent.com/OpenModelica/OMSimulator/master/schema/oms.xsd",
 }
 TOOL = "ahv"
 
@@ -46,8 +49,9 @@ def document(tag: str, prefixes: Iterable[str], name: str) -> Element:
 
 
 def description(name: str, system: System, files: dict[str, FmuFile], step: float, stop: float) -> bytes:
-    root = document("ssd:SystemStructureDescription", ("ssd", "ssc", "ssv", "osp"), name)
-    parent = SubElement(root, "ssd:System", name=name)
+    identifier = re.sub(r"\W", "_", name, flags=re.ASCII)
+    root = document("ssd:SystemStructureDescription", ("ssd", "ssc", "ssv", "osp", "oms"), identifier)
+    parent = SubElement(root, "ssd:System", name=identifier)
     elements = SubElement(parent, "ssd:Elements")
     units: dict[str, Unit] = {}
     for component in system.components:
@@ -59,9 +63,22 @@ def description(name: str, system: System, files: dict[str, FmuFile], step: floa
                                 endElement=end[0], endConnector=end[2])
         if (link.factor, link.offset) != (1.0, 0.0):
             SubElement(connection, "ssc:LinearTransformation", factor=repr(link.factor), offset=repr(link.offset))
+    add_annotation(parent, "org.openmodelica", "oms:Annotations/oms:SimulationInformation/oms:FixedStepMaster",
+                   description="oms-ma", stepSize=repr(float(step)), absoluteTolerance="0.0001",
+                   relativeTolerance="0.0001")
     add_units(root, units)
-    add_experiment(root, step, stop)
+    experiment = SubElement(root, "ssd:DefaultExperiment", startTime="0.0", stopTime=repr(float(stop)))
+    add_annotation(experiment, "com.opensimulationplatform", "osp:Algorithm/osp:FixedStepAlgorithm",
+                   baseStepSize=repr(float(step)))
     return xml(root)
+
+
+def add_annotation(parent: Element, owner: str, path: str, **attributes: str) -> None:
+    """The element that stands at the end of `path` in an annotation of `owner`'s."""
+    element = SubElement(SubElement(parent, "ssd:Annotations"), "ssc:Annotation", type=owner)
+    for tag in path.split("/"):
+        element = SubElement(element, tag)
+    element.attrib.update(attributes)
 
 
 def add_component(parent: Element, component: Component, file: FmuFile, units: dict[str, Unit]) -> None:
@@ -98,13 +115,6 @@ def add_units(root: Element, units: dict[str, Unit]) -> None:
         if unit.offset != 0.0:
             base["offset"] = repr(unit.offset)
         SubElement(SubElement(parent, "ssc:Unit", name=name), "ssc:BaseUnit", base)
-
-
-def add_experiment(root: Element, step: float, stop: float) -> None:
-    experiment = SubElement(root, "ssd:DefaultExperiment", startTime="0.0", stopTime=repr(float(stop)))
-    parent = SubElement(experiment, "ssd:Annotations")
-    annotation = SubElement(parent, "ssc:Annotation", type="com.opensimulationplatform")
-    SubElement(SubElement(annotation, "osp:Algorithm"), "osp:FixedStepAlgorithm", baseStepSize=repr(float(step)))
 
 
 def parameter_set(name: str, component: Component, file: FmuFile) -> bytes:

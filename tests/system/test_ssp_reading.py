@@ -133,6 +133,9 @@ def test_parameter_sets_are_read_from_the_archive_and_from_the_fmu(read, native_
 def test_the_experiment_is_the_files_or_the_fmus(read, native_fmus):
     one = system("root", component("a"))
     assert (read(ssd(one)).stop, read(ssd(one)).step) == (1, None)
+    annotation = ('<ssd:Annotations><ssc:Annotation type="org.openmodelica"><x:FixedStepMaster xmlns:x="urn:oms" '
+                  'stepSize="0.125"/></ssc:Annotation></ssd:Annotations></ssd:System>')
+    assert read(ssd(one.replace("</ssd:System>", annotation))).step == 0.125
     scenario = system("root", '<ssd:Component name="s" source="resources/AhvScenario.fmu"/>')
     found = read(ssd(scenario, ""), resources__AhvScenario_dot_fmu=native_fmus["AhvScenario"].read_bytes())
     assert (found.stop, found.step) == (100, 0.01)

@@ -69,6 +69,12 @@ def test_presets_values_and_step_are_in_it(tmp_path):
     assert 'baseStepSize="0.02"' in description and 'stopTime="300.0"' in description
 
 
+def test_a_name_becomes_an_identifier(tmp_path):
+    (tmp_path / "own.yaml").write_text("name: my run-2\nstop: 2\npresets: {scenario: hold}\n")
+    ahv("ssp", tmp_path / "own.yaml", "--out", tmp_path / "own.ssp")
+    assert read_ssd(str(tmp_path / "own.ssp")).system.name == "my_run_2"
+
+
 @pytest.mark.parametrize("flavour", ["python", "native"])
 def test_simulate_flies_it_as_run_does(flavour, tmp_path):
     words = ("--flavour", flavour)
