@@ -1,0 +1,146 @@
+"""Each algorithm on two oscillators that push each other, beside the solution of the whole."""
+from functools import partial
+
+import numpy as np
+import pytest
+from scipy.linalg import expm
+from small_fmus import small
+
+from cosim.errors import UsageError
+from cosim.flight import fly
+from cosim.system import Component, Connection, System
+
+STOP = 2.0
+
+
+@pytest.fixture(scope="module")
+def build(tmp_path_factory):
+    return partial(small.build, tmp_path_factory.mktemp("small"))
+
+
+def exact(times, ld=0.0):
+    """left.y and right.y of `small.pair` in continuous time; `ld` is left's direct path."""
+    whole = np.array([[0, 1, 0, 0], [-4, -0.3, 0.8, 0], [0, 0, 0, 1], [1, 0, -9 + 0.8 * ld, -0.3]])
+    states = np.array([expm(whole * t) @ [1.0, 0.0, -0.5, 0.2] for t in times])
+    return np.column_stack([states[:, 0] + ld * 0.8 * states[:, 2], states[:, 2]])
+
+
+def error(system, step, algorithm, ld=0.0):
+    flight = fly(system, step, STOP, algorithm)
+    assert flight.finished, flight.message
+    shown = np.column_stack([flight["left.y"], flight["right.y"]])
+    both = slice(None, None, 4) if "right=4" in algorithm else slice(None)  # between, right shows the end of its step
+    later = flight.time[both] > 0.5 * (ld != 0)  # a first step has no slope yet
+    return float(np.abs(shown - exact(flight.time, ld))[both][later].max()), flight
+
+
+def order(system, algorithm):
+    errors = [error(system, step, algorithm)[0] for step in (0.02, 0.01, 0.005)]
+    return np.log2(np.array(errors[:-1]) / errors[1:])
+
+
+@pytest.mark.parametrize("algorithm,expected", [
+    ("jacobi", 1), ("gauss-seidel", 1), ("gauss-seidel,order=right+left", 1), ("multi-rate,right=4", 1),
+    ("jacobi,hold=linear", 2), ("gauss-seidel,hold=linear", 2), ("multi-rate,right=4,hold=linear", 2),
+])
+def test_order_where_outputs_are_states(build, algorithm, expected):
+    assert order(small.pair(build()), algorithm) == pytest.approx(expected, abs=0.15)
+
+
+@pytest.mark.parametrize("algorithm,expected", [("iterated", 1), ("iterated,hold=linear", 2)])
+def test_order_of_iteration_where_a_loop_is_declared(build, algorithm, expected):
+    assert order(small.pair(build(direct=None)), algorithm) == pytest.approx(expected, abs=0.15)
+
+
+@pytest.mark.parametrize("algorithm", ["jacobi,hold=linear", "gauss-seidel,hold=linear"])
+def test_input_derivatives_give_order_two_where_outputs_depend_on_inputs(build, algorithm):
+    system = small.pair(build(direct=True, interpolates=True), build(interpolates=True), d=0.5)
+    errors = [error(system, step, algorithm, ld=0.5)[0] for step in (0.02, 0.01)]
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(2, abs=0.2)
+
+
+def test_the_order_follows_from_declared_dependencies(build):
+    system = small.pair(build(direct=True), build(), d=0.5)
+    default, given, other = (fly(system, 0.01, STOP, f"gauss-seidel{o}").signals
+                             for o in ("", ",order=right+left", ",order=left+right"))
+    assert np.array_equal(default, given) and not np.array_equal(default, other)
+
+
+def test_multi_rate_with_equal_rates_is_gauss_seidel(build):
+    system = small.pair(build())
+    assert np.array_equal(fly(system, 0.01, STOP, "multi-rate,left=1").signals,
+                          fly(system, 0.01, STOP, "gauss-seidel").signals)
+
+
+def test_multi_rate_holds_what_a_slow_component_shows(build):
+    flight = fly(small.pair(build()), 0.01, STOP, "multi-rate,right=5")
+    shown = flight["right.y"][1:].reshape(-1, 5)
+    assert np.all(shown == shown[:, :1]) and len(np.unique(shown)) == 40
+
+
+def test_iteration_without_a_declared_loop_is_gauss_seidel(build):
+    system = small.pair(build())
+    assert np.array_equal(fly(system, 0.01, STOP, "iterated").signals, fly(system, 0.01, STOP, "gauss-seidel").signals)
+
+
+def test_iteration_solves_an_algebraic_loop(build):
+    """Two gains without states: y = 0.5 u + 1 and y = -0.8 u meet at 1/1.4."""
+    fmu = build(direct=True)
+    still = {"a12": 0.0, "a21": 0.0, "b2": 0.0}
+    system = System((Component("a", fmu, {**still, "x1": 1.0, "d": 0.5}), Component("b", fmu, {**still, "d": -0.8})),
+                    (Connection("a.y", "b.u"), Connection("b.y", "a.u")))
+    flight = fly(system, 0.1, 1.0, "iterated")
+    assert np.abs(flight["a.y"] - 1 / 1.4).max() < 1e-9
+    assert np.abs(flight["b.y"] + 0.8 / 1.4).max() < 1e-9
+
+
+def test_iteration_that_does_not_converge_says_so(build):
+    fmu = build(direct=None)
+    system = System((Component("a", fmu, {"b1": 100.0, "x1": 1.0}), Component("b", fmu, {"b1": 100.0})),
+                    (Connection("a.y", "b.u"), Connection("b.y", "a.u")))
+    flight = fly(system, 1.0, 5.0, "iterated")
+    assert not flight.finished and len(flight.time) == 1
+    assert flight.message.startswith("The loop does not converge in the step from t = 0 s: a.y, b.y still change")
+
+
+@pytest.mark.parametrize("hold,power", [("linear", 2 / 4), ("constant", 1 / 3)])
+def test_variable_steps_follow_the_tolerance(build, hold, power):
+    """The error of a step is the tolerance. The held force's error goes into the speed, which is not connected, and
+    into the place one order later, so that of the run falls with the tolerance's power p / (p + 2)."""
+    reached = []
+    for tolerance in (1e-4, 1e-6):
+        found, flight = error(small.pair(build()), 0.01, f"variable,tolerance={tolerance},hold={hold}")
+        assert flight.time[-1] == STOP and flight.ticks == len(flight.time) - 1
+        reached.append(found)
+    assert np.log(reached[0] / reached[1]) / np.log(100) == pytest.approx(power, abs=0.1)
+
+
+def test_variable_steps_back_from_a_discarded_step(build):
+    flight = fly(small.pair(build(), longest=0.003), 0.05, STOP, "variable,tolerance=1e-3")
+    assert flight.finished and np.diff(flight.time).max() <= 0.003
+
+
+def test_a_step_that_is_always_discarded_ends_a_variable_run_in_the_words_of_the_fmu(build):
+    flight = fly(small.pair(build(), fault=1, fault_time=1.0), 0.01, STOP, "variable,tolerance=1e-3")
+    assert not flight.finished and 1.0 <= flight.time[-1] < 1.3
+    assert "answered Discard to fmi2DoStep" in flight.message and "told to discard" in flight.message
+
+
+@pytest.mark.parametrize("algorithm,sentence", [
+    ("variable", "steps back, and left, right cannot"),
+    ("iterated", "repeats steps, and left, right cannot"),
+])
+def test_what_an_algorithm_needs_is_asked_for(build, algorithm, sentence):
+    with pytest.raises(UsageError, match=sentence):
+        fly(small.pair(build(direct=None, states=False)), 0.01, STOP, algorithm)
+
+
+@pytest.mark.parametrize("word,sentence", [
+    ("jacoby", "Did you mean jacobi"), ("jacobi,order=a", "order=a is not an option of jacobi"),
+    ("jacobi,hold=2", "2 is no value for hold"), ("multi-rate,left=0", "0 is no value for left"),
+    ("gauss-seidel,order=left", "must name each component once"), ("multi-rate,wing=2", "no component wing"),
+    ("multi-rate,left=7", "200 ticks are not a whole number"),
+])
+def test_a_wrong_word_is_named(build, word, sentence):
+    with pytest.raises(UsageError, match=sentence):
+        fly(small.pair(build()), 0.01, STOP, word)
