@@ -2,11 +2,11 @@
 
 From saved states each step is taken once whole and once in halves; the halves' result is kept. The difference of the
 two estimates its error. In each connected continuous output it may be `tolerance` times the variable's nominal value
-(or its own size, where that is larger); the worst one decides. That is per step, and of
-what is connected only: the error of the run falls more slowly than the tolerance. Outputs that depend directly on inputs are left out
-(if there are others): they lag behind as the held inputs do, and what that does shows in the others. A step that
-fails is taken back through the FMU states and shortened; the next one is as long as the estimate allows. `--step` is
-the first step and, times MOST_STEPS, the longest one.
+(or its own size, where that is larger); the worst one decides. That is per step, and of what is connected only: the
+error of the run falls more slowly than the tolerance. Outputs that depend directly on inputs are left out (if there
+are others): they lag behind as the held inputs do, and what that does shows in the others. A step that fails is taken
+back through the FMU states and shortened; the next one is as long as the estimate allows. `--step` is the first step
+and, times MOST_STEPS, the longest one.
 
 Needs of an FMU: canGetAndSetFMUstate and canHandleVariableCommunicationStepSize. Order as in `gauss_seidel`: 1, and
 with hold=linear (the default) 2 where connected outputs are states. A discarded step is taken back and tried at SHRINK
