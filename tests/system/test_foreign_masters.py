@@ -3,6 +3,7 @@
 What differs is the clock only: libcosim counts nanoseconds, ecos adds up steps, ours multiplies. With their clocks our
 master gives their numbers to the last bit; so does fmucontainer, whose clock is ours.
 """
+import re
 import subprocess
 import sys
 import zipfile
@@ -85,6 +86,19 @@ def test_the_handmade_system_is_the_oscillator_that_it_says(handmade, tmp_path):
     decay, omega = 0.5 / 5, np.sqrt(40 / 2.5 - (0.5 / 5) ** 2)
     exact = np.exp(-decay * t) * (np.cos(omega * t) + decay / omega * np.sin(omega * t))
     assert np.abs(rows[:, names.index("mass.position")] - exact).max() < 0.1   # two Jacobi steps late at 10 ms
+
+
+PAGE = HERE.parent.parent / "docs" / "using-the-controller.md"
+EXAMPLES = [text for text in re.findall(r"```python\n(.*?)```", PAGE.read_text(), re.DOTALL)
+            if "OMSimulator" not in text]   # which cannot be installed here
+
+
+@pytest.mark.parametrize("text", EXAMPLES, ids=["libcosim", "ecos", "fmucontainer", "fmpy"])
+def test_the_examples_of_the_page_run(text, tmp_path):
+    ahv("ssp", "case1", "--out", tmp_path / "case1.ssp")
+    (tmp_path / "fmus").symlink_to(HERE.parent.parent / "fmus")
+    done = subprocess.run([sys.executable, "-c", text], cwd=tmp_path, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stderr
 
 
 @pytest.fixture(scope="session")
