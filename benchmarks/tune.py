@@ -2,6 +2,7 @@
 
     .venv/bin/python benchmarks/tune.py neural       --start steady
     .venv/bin/python benchmarks/tune.py backstepping --start stable
+    .venv/bin/python benchmarks/tune.py neural       --start FILE.json --sigma 0.15 --seed 2     (what the first printed)
 
 Flies the native FMU files through `cosim` and prints the best gains found, as JSON. CMA-ES (Hansen) on
 the logarithms of the gains; a gain that may have either sign is taken as it is, in units of SIGNED.
@@ -16,6 +17,7 @@ import sys
 import time
 from dataclasses import dataclass, field
 from math import exp, log, pi
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -70,11 +72,17 @@ def independent(seed: int, amplitude: float) -> dict[str, float]:
         ("sine_phase", rng.uniform(-pi, pi)))}
 
 
+def constant(scale: float) -> dict[str, float]:
+    """Every group scaled by the same constant."""
+    return {f"scale_{group}_{key}": value for group in GROUPS for key, value in (("base", scale), ("sine", 0.0))}
+
+
 FLIGHTS = [
     Flown("case1", 0.01, 100.0, 1.0, (2.5, 0.5, 0.6, 80.0)),
     Flown("case2", 0.01, 300.0, 2.0, (2.5, 0.5, 0.6, 170.0)),
     Flown("case2", 0.05, 300.0, 0.5, (2.5, 0.5, 0.6, 170.0)),
     *(Flown("case1", 0.02, 100.0, 0.25, (5.0, 1.0, 1.2, 100.0), independent(seed, 0.3)) for seed in range(4)),
+    *(Flown("case1", 0.02, 100.0, 0.5, (5.0, 1.0, 1.2, 100.0), constant(scale)) for scale in (0.6, 1.4)),
 ]
 
 
@@ -143,8 +151,11 @@ def tune(law: str, start: str, evaluations: int, sigma: float, seed: int) -> dic
     import cma
 
     names = FREE[law]
-    bench = Bench(law, "calibrated" if start == "stable" else start)
-    gains = {**bench.base, **(STABLE if start == "stable" else {})}
+    given = {"stable": STABLE} if start == "stable" else {}
+    if start.endswith(".json"):
+        given = {start: json.loads(Path(start).read_text())["gains"]}
+    bench = Bench(law, "calibrated" if given else start)
+    gains = {**bench.base, **given.get(start, {})}
     search = cma.CMAEvolutionStrategy(encoded(gains, names), sigma,
                                       {"seed": seed, "verbose": -9, "maxfevals": evaluations})
     began, first = time.perf_counter(), bench.cost({n: gains[n] for n in names})
@@ -161,7 +172,7 @@ def tune(law: str, start: str, evaluations: int, sigma: float, seed: int) -> dic
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("law", choices=list(FREE))
-    parser.add_argument("--start", default="calibrated", help="a preset of the law, or stable (backstepping)")
+    parser.add_argument("--start", default="calibrated", help="a preset of the law, stable (backstepping), or what this script printed")
     parser.add_argument("--evaluations", type=int, default=1000)
     parser.add_argument("--sigma", type=float, default=0.3)
     parser.add_argument("--seed", type=int, default=1)

@@ -230,6 +230,49 @@ def launch(system: System, step: float, stop: float, algorithm: str, progress: A
 
 
 @app.command()
+def linearize(
+    V: Annotated[float, typer.Option("--V", help="Velocity, ft/s.")] = 7700.0,
+    h: Annotated[float, typer.Option("--h", help="Altitude, ft.")] = 85000.0,
+    controller: Annotated[str, typer.Option(help="neural or backstepping.")] = "neural",
+    preset: Annotated[str, typer.Option(help="Of the controller.")] = "calibrated",
+    scale: Annotated[float, typer.Option(help="Factor on every coefficient group.")] = 1.0,
+    step: Annotated[float, typer.Option(help="Communication step, s.")] = 0.01,
+    set_: Set = [],  # noqa: B006
+    as_json: Json = False,
+) -> None:
+    """Open and closed loop about level flight: poles, zeros, damping, margins at each actuator and sensor."""
+    from fmus.linear_report import linear_report, preset_gains
+    from fmus.linearize import GROUPS, NoTrim
+
+    model = CONTROLLERS[choice("controller", controller, CONTROLLERS)]
+    try:
+        gains = preset_gains(model, preset)
+        given = {name: {k: float(v) for k, v in pairs.items()} for name, pairs in assignments(set_).items()}
+        found = linear_report(model, {**gains, **given.get("controller", {})}, V, h, step,
+                              dict.fromkeys(GROUPS, scale), given.get("plant", {}))
+    except KeyError:
+        raise UsageError(f"The {controller} controller has no preset {preset}.") from None
+    except NoTrim as error:
+        raise RunError(str(error)) from None
+    except ValueError as error:
+        raise UsageError(str(error)) from None
+    found = {"controller": controller, "preset": preset, **found}
+    if as_json:
+        print(json.dumps(found))
+        return
+    report({k: v for k, v in found.items() if not isinstance(v, dict)}, False)
+    report_rows({"open loop": short(found["open_loop"]), "closed loop": short(found["closed_loop"])})
+    margins = found["margins"] or {}
+    report_rows({key: {place: m[key] for place, m in margins.items()} for key in next(iter(margins.values()), {})})
+
+
+def short(loop: dict[str, Any]) -> dict[str, Any]:
+    """Poles as text, one of each pair."""
+    return {f"pole {i}": f"{p['real']:.3f} +-{p['imag']:.3f}j"
+            for i, p in enumerate(p for p in loop["poles"] if p["imag"] >= 0)}
+
+
+@app.command()
 def ssp(
     scenario: Annotated[str, typer.Argument(help="case1, case2, hold, or a YAML file.")] = "case1",
     controller: Annotated[str, typer.Option(help="neural or backstepping.")] = "neural",

@@ -1,0 +1,46 @@
+"""What `ahv linearize` tells: the vehicle alone and under a controller, about a trim, as plain data."""
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+
+from .build import MODELS
+from .linearize import Linear, closed_loop, damping, vehicle
+
+ZEROS = (("fuel_ratio", "V"), ("fuel_ratio", "gamma"), ("elevator", "V"), ("elevator", "gamma"), ("elevator", "theta"))
+
+
+def roots(values: np.ndarray) -> list[dict[str, float | None]]:
+    """Poles or zeros: real and imaginary part (1/s), natural frequency (rad/s), damping ratio."""
+    return [{"real": float(v.real), "imag": float(v.imag), "omega": float(abs(v)), "damping": d}
+            for v, d in zip(values, damping(values)) if abs(v) < 1e4]
+
+
+def matrices(system: Linear) -> dict[str, Any]:
+    return {"states": system.states, "inputs": system.inputs, "outputs": system.outputs, "step_s": system.step,
+            **{name: getattr(system, name).tolist() for name in "ABCD"}}
+
+
+def preset_gains(controller: str, preset: str) -> dict[str, Any]:
+    """The parameters that a preset of the controller (a model's name) sets. Raises KeyError for an unknown one."""
+    return dict(import_module(MODELS[controller]).PRESETS[preset])
+
+
+def linear_report(controller: str, gains: dict[str, Any], V: float, h: float, step: float,
+                  scale: dict[str, float], plant: dict[str, Any]) -> dict[str, Any]:
+    """Open loop: continuous, with zeros. Closed loop: sampled every `step` seconds as it flies, poles as those of the
+    continuous system with the same samples; margins at each actuator and sensor."""
+    alone = vehicle(V, h, scale, **plant)
+    loop = closed_loop(controller, gains, V, h, step, scale, plant)
+    closed = loop.cut()
+    stable = bool(np.abs(np.linalg.eigvals(closed.A)).max() < 1)
+    fuel_ratio, elevator = (float(v) for v in loop.y)
+    return {
+        "V_fps": V, "h_ft": h, "scale": scale, "fuel_ratio": fuel_ratio, "elevator_deg": float(np.degrees(elevator)),
+        "theta_deg": float(np.degrees(loop.x[3])), "altitude_offset_ft": float(loop.x[1] - h),
+        "open_loop": {**matrices(alone), "poles": roots(alone.poles),
+                      "zeros": {f"{i} to {o}": roots(alone.zeros(i, o)) for i, o in ZEROS}},
+        "closed_loop": {**matrices(closed), "stable": stable, "abscissa": float(closed.poles.real.max()),
+                        "poles": roots(closed.poles)},
+        "margins": {name: m.as_dict() for name, m in loop.margins().items()} if stable else None,
+    }

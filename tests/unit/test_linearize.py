@@ -1,0 +1,95 @@
+"""Linear systems from the traced models: against difference quotients, flights and hand calculation."""
+import numpy as np
+import pytest
+from evidence import fly
+
+from ahv_plant_fmu import model as plant
+from ahv_plant_fmu.equations import derivative
+from ahv_plant_fmu.trim import NOMINAL
+from fmus import floats
+from fmus.linear_report import preset_gains
+from fmus.linearize import ACTUATORS, GROUPS, SENSORS, NoTrim, closed_loop, values_of, vehicle, vehicle_trim
+from fmus.margins import frequencies, margins, response
+
+LAWS = {"neural": "AhvController", "backstepping": "AhvBackstepping"}
+
+
+def test_the_vehicles_matrices_are_those_of_difference_quotients():
+    p = values_of(plant, {"psi_1": -363.5, "psi_2": 328.8})
+    found = vehicle(8200, 90000, psi_1=-363.5, psi_2=328.8)
+    x, u = vehicle_trim(8200, 90000, [1.0] * 5, p)
+
+    def rate(x, u):
+        return np.array(derivative(floats, list(x), *u, NOMINAL, p))
+
+    for i, size in enumerate((1.0, 1.0, *[1e-4] * 3, *[1e-2] * 4)):
+        step = size * np.eye(9)[i]
+        assert np.allclose(found.A[:, i], (rate(x + step, u) - rate(x - step, u)) / (2 * size), rtol=1e-5, atol=1e-6)
+    for i in range(2):
+        step = 1e-4 * np.eye(2)[i]
+        assert np.allclose(found.B[:, i], (rate(x, u + step) - rate(x, u - step)) / 2e-4, rtol=1e-5, atol=1e-6)
+
+
+def test_a_scaled_vehicle_has_its_own_trim():
+    p = values_of(plant, {})
+    for scale in (0.6, 1.4):
+        x, u = vehicle_trim(7700, 85000, [scale] * 5, p)
+        groups = type(NOMINAL)(**dict.fromkeys(GROUPS, scale))
+        assert np.abs(derivative(floats, list(x), *u, groups, p)).max() < 1e-8
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_the_closed_loop_answers_a_small_command_as_the_flight_does(law):
+    command = 0.01  # ft: small enough for lines to be straight
+    flown = [fly("hold", law, values={"scenario": {"h_command_step": step}}, stop=20)["plant.h"]
+             for step in (0.0, command)]  # the neural law moves a little by itself, until its estimates have settled
+    loop = closed_loop(LAWS[law], preset_gains(LAWS[law], "calibrated"), 7700, 85000)
+    system = loop.cut()
+    x = np.zeros(len(system.A))
+    h = [0.0]
+    for _ in range(2000):
+        x = system.A @ x + system.B @ [0.0, command]
+        h.append(float(x[1]))
+    assert np.allclose(flown[1] - flown[0], h, rtol=0, atol=2e-3 * command)
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_a_loop_is_stable_just_inside_its_gain_margins_and_unstable_just_outside(law):
+    loop = closed_loop(LAWS[law], preset_gains(LAWS[law], "calibrated"), 7700, 85000)
+    checked = 0
+    for name, found in loop.margins().items():
+        place = {"actuator": ACTUATORS.index(name)} if name in ACTUATORS else {"sensor": SENSORS.index(name)}
+        cut = loop.cut(**place)
+
+        def radius(gain, cut=cut):
+            closed = cut.A + cut.B @ cut.C * gain / (1 - cut.D[0, 0] * gain)
+            return np.abs(np.linalg.eigvals(closed)).max()
+
+        for gain, inside, outside in ((found.gain_up, 0.99, 1.01), (found.gain_down, 1.01, 0.99)):
+            if gain is not None:
+                checked += 1
+                assert radius(gain * inside) < 1 < radius(gain * outside), name
+    assert checked >= 8
+
+
+def test_margins_of_a_loop_known_by_hand():
+    # 2 / (s (s + 1)^2) with a sample every 0.1 ms: gain margin 1, reached at 1 rad/s; here with gain 1, so 2.
+    h = 1e-4
+    A = np.eye(3) + h * np.array([[0, 1, 0], [0, -1, 1], [0, 0, -1]])
+    B, C, D = h * np.array([[0.0], [0], [1]]), np.array([[1.0, 0, 0]]), np.zeros((1, 1))
+    omega = frequencies(h)
+    found = margins(omega, response(A, B, C, D, omega, h)[:, 0, 0])
+    crossover = 0.6823278  # |jw (jw + 1)^2| = w (1 + w^2) = 1
+    phase = np.pi / 2 - 2 * np.arctan(crossover)
+    assert found.gain_up == pytest.approx(2, rel=1e-3) and found.gain_down is None
+    assert found.crossover == pytest.approx(crossover, rel=1e-3)
+    assert found.phase_deg == pytest.approx(np.degrees(phase), rel=2e-3)
+    assert found.delay_s == pytest.approx(phase / crossover, rel=2e-3)
+
+
+def test_where_there_is_no_equilibrium_it_is_said():
+    gains = preset_gains("AhvController", "calibrated")
+    with pytest.raises(NoTrim, match="equilibrium"):
+        closed_loop("AhvController", gains, 7500, 105000)
+    with pytest.raises(ValueError, match="no parameter wings"):
+        vehicle(7700, 85000, wings=2.0)
