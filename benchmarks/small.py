@@ -26,13 +26,14 @@ def variable(number: int, name: str, kind: str, reference: int, causality: str, 
             f'</ScalarVariable><!-- {number} -->')
 
 
-def describe(identifier: str, direct: bool | None, states: bool, interpolates: bool) -> str:
-    """modelDescription.xml; `direct`: y depends on u, does not, or (None) the FMU does not say."""
+def describe(identifier: str, direct: bool | None, states: bool, interpolates: bool, others: bool) -> str:
+    """modelDescription.xml; `direct`: y depends on u, does not, or (None) the FMU does not say; `others`: with
+    variables that are not Reals."""
     causality = {"u": "input", "y": "output", "y1": "output", "y2": "output"}
     lines = [variable(i, n, "Real", i - 1, causality.get(n, "parameter"),
                       "" if n in ("y", "y1", "y2") else repr(STARTS.get(n, 0.0))) for i, n in enumerate(REALS, 1)]
     at = {n: i for i, n in enumerate((*REALS, *OTHERS), 1)}
-    for i, (kind, start) in enumerate((("Integer", "0"), ("Boolean", "false"), ("String", ""))):
+    for i, (kind, start) in enumerate((("Integer", "0"), ("Boolean", "false"), ("String", "")) if others else ()):
         name = ("whole", "truth", "text")[i]
         first = 1 if kind == "Integer" else 0
         if kind == "Integer":
@@ -42,7 +43,7 @@ def describe(identifier: str, direct: bool | None, states: bool, interpolates: b
         lines.append(variable(at[f"{name}_out"], f"{name}_out", kind, first + 1, "output"))
     behind = "" if direct is None else f' dependencies="{at["u"] if direct else ""}"'
     outputs = [(at["y"], behind), (at["y1"], ' dependencies=""'), (at["y2"], ' dependencies=""'),
-               *((at[f"{n}_out"], f' dependencies="{at[f"{n}_in"]}"') for n in ("whole", "truth", "text"))]
+               *((at[f"{n}_out"], f' dependencies="{at[f"{n}_in"]}"') for n in ("whole", "truth", "text") if others)]
     unknowns = "".join(f'<Unknown index="{i}"{k}/>' for i, k in outputs)
     return (f'<?xml version="1.0" encoding="UTF-8"?>\n<fmiModelDescription fmiVersion="2.0" modelName="{identifier}" '
             f'guid="{{{identifier}}}"><CoSimulation modelIdentifier="small" '
@@ -64,14 +65,16 @@ def library(folder: Path) -> Path:
     return built
 
 
-def build(folder: Path, direct: bool | None = False, states: bool = True, interpolates: bool = False) -> Path:
+def build(folder: Path, direct: bool | None = False, states: bool = True, interpolates: bool = False,
+          others: bool = True) -> Path:
     """Write a variant of the FMU into `folder` and return its path."""
     says = {True: "direct", False: "indirect", None: "silent"}[direct]
-    identifier = f"small_{says}{'' if states else '_stateless'}{'_interpolating' if interpolates else ''}"
+    identifier = "_".join(["small", says, *(["stateless"] if not states else []),
+                           *(["interpolating"] if interpolates else []), *(["reals"] if not others else [])])
     path = folder / f"{identifier}.fmu"
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
         archive.write(library(folder), "binaries/linux64/small.so")
-        archive.writestr("modelDescription.xml", describe(identifier, direct, states, interpolates))
+        archive.writestr("modelDescription.xml", describe(identifier, direct, states, interpolates, others))
     return path
 
 

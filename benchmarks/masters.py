@@ -1,0 +1,225 @@
+"""Time per tick of our master and of others on the same SSP: `ahv bench masters [--json]`.
+
+Each measurement is a process of its own, and rounds take turns, so that a busy machine is busy for all. Every master
+is driven the fastest way it has: many ticks a call where there is one. Ours records all connected outputs, the others
+nothing (fmpy.ssp records always). Start-up is left out: for fmpy.ssp by the difference of two lengths.
+"""
+import argparse
+import json
+import subprocess
+import sys
+import tempfile
+import time
+from importlib.util import find_spec
+from pathlib import Path
+from statistics import median
+
+ROUNDS = 5
+OUT = Path("results") / "bench"
+
+
+def ours(ssp: Path, step: float, ticks: int) -> dict[str, float]:
+    """Jacobi, all connected outputs recorded; also the share of a tick that is not our own."""
+    import numpy as np
+    from numba import cfunc
+
+    from cosim import program as P
+    from cosim.algorithms import method
+    from cosim.algorithms.parts import Plan
+    from cosim.flight import fly
+    from cosim.master import Master, open_files
+    from cosim.recording import CHUNK_ROWS, Recorder
+    from cosim.ssp.load import loaded
+
+    with loaded(ssp) as found:
+        system = found.system
+        names = sorted({c.source for c in system.connections})
+        fly(system, step, 10 * step, "jacobi", record=names)
+        flight = fly(system, step, ticks * step, "jacobi", record=names)
+        assert flight.finished, flight.message
+
+        nothing = cfunc("int32(int64,int64,int64,int64)")(lambda a, b, c, d: 0).address
+        no_step = cfunc("int32(int64,float64,float64,int32)")(lambda a, b, c, d: 0).address
+        with open_files(system) as files:
+            master = Master(system, files, names)
+            chosen, recorder = method("jacobi"), Recorder(master.columns)
+            flier = chosen.algorithm(master, chosen.options, Plan(0.0, step, ticks, recorder))
+            master.initialise(0.0, ticks * step)
+            rows, times = recorder.room(CHUNK_ROWS)
+
+            def chunk() -> float:
+                found = []
+                for _ in range(20):
+                    master.cursor[:] = 0
+                    begun = time.perf_counter()
+                    assert master.attempt(flier.ops, 0, CHUNK_ROWS, 0.0, step, rows, times, 1) == 0
+                    found.append(time.perf_counter() - begun)
+                return float(np.median(found))
+
+            real = chunk()
+            master.wiring.groups[:, P.CALL], master.wiring.parts[:, P.DO_STEP] = nothing, no_step
+            empty = chunk()
+            master.close()
+    return {"us": 1e6 * flight.wall_s / ticks, "share_in_fmus": 1 - empty / real}
+
+
+def libcosimpy(ssp: Path, step: float, ticks: int) -> dict[str, float]:
+    from libcosimpy.CosimExecution import CosimExecution
+    from libcosimpy.CosimLogging import CosimLogLevel, log_output_level
+
+    log_output_level(CosimLogLevel.ERROR)
+    execution = CosimExecution.from_ssp_file(str(ssp))
+    execution.step(10)
+    begun = time.perf_counter()
+    if not execution.step(ticks):
+        raise RuntimeError(str(execution.status()))
+    return {"us": 1e6 * (time.perf_counter() - begun) / ticks}
+
+
+def ecospy(ssp: Path, step: float, ticks: int) -> dict[str, float]:
+    from ecospy import EcosSimulation
+
+    with EcosSimulation(ssp_path=str(ssp), step_size=step) as simulation:
+        simulation.init(0)
+        simulation.step(10)
+        begun = time.perf_counter()
+        simulation.step(ticks)
+        return {"us": 1e6 * (time.perf_counter() - begun) / ticks}
+
+
+def fmpy(ssp: Path, step: float, ticks: int) -> dict[str, float]:
+    from fmpy.ssp.simulation import simulate_ssp
+
+    took = []
+    for count in (ticks, 2 * ticks):
+        begun = time.perf_counter()
+        simulate_ssp(str(ssp), stop_time=(count - 0.5) * step, step_size=step)
+        took.append(time.perf_counter() - begun)
+    return {"us": 1e6 * (took[1] - took[0]) / ticks}
+
+
+# name -> function, the module it needs, ticks for two small FMUs, ticks for the vehicle
+MASTERS = {
+    "ours": (ours, "cosim", 1_000_000, 30_000),
+    "ecospy": (ecospy, "ecospy", 200_000, 20_000),
+    "libcosimpy": (libcosimpy, "libcosimpy", 5_000, 3_000),
+    "fmpy.ssp": (fmpy, "fmpy", 5_000, 1_000),
+}
+UNMEASURED = {"OMSimulator": "OMSimulator", "PyFMI": "pyfmi"}
+
+
+def write_systems(folder: Path) -> dict[str, Path]:
+    """The two systems as SSP files."""
+    sys.path.insert(0, str(Path(__file__).parent))
+    import small
+
+    from cosim import scenarios
+    from cosim.cli import chosen_presets, planned
+    from cosim.ssp.write import write
+
+    pair = small.pair(small.build(folder, others=False), a22=0.0)
+    plan = scenarios.load("case2")
+    vehicle = planned(plan, "neural", {**plan.presets, **chosen_presets("calibrated")}, "native", [])
+    files = {"two small C FMUs": folder / "small.ssp", "the vehicle (3 native FMUs)": folder / "vehicle.ssp"}
+    write(files["two small C FMUs"], "small", pair, 0.001, 1.0)
+    write(files["the vehicle (3 native FMUs)"], "vehicle", vehicle, 0.01, 300.0)
+    return files
+
+
+def measure(master: str, ssp: Path, step: float, ticks: int) -> dict[str, float] | str:
+    """One measurement in a process of its own; its figures, or why there are none."""
+    done = subprocess.run([sys.executable, __file__, "--one", master, str(ssp), str(step), str(ticks)],
+                          capture_output=True, text=True, timeout=300)
+    lines = done.stdout.strip().splitlines()
+    if done.returncode or not lines:
+        return (done.stderr.strip().splitlines() or [f"ended with {done.returncode}"])[-1]
+    figures: dict[str, float] = json.loads(lines[-1])
+    return figures
+
+
+def compare(rounds: int) -> dict[str, dict]:
+    """System -> master -> median, least and most microseconds per tick, ratio to ours; or why not."""
+    result: dict[str, dict] = {}
+    with tempfile.TemporaryDirectory() as folder:
+        for (system, ssp), step, column in zip(write_systems(Path(folder)).items(), (0.001, 0.01), (2, 3)):
+            known = {name: entry for name, entry in MASTERS.items() if find_spec(entry[1])}
+            found: dict[str, list] = {name: [] for name in known}
+            for _ in range(rounds):
+                for name, entry in known.items():
+                    found[name].append(measure(name, ssp, step, entry[column]))
+                    print(f"{system}: {name}: {found[name][-1]}", file=sys.stderr)
+            result[system] = {name: summary(figures) for name, figures in found.items()}
+            own = result[system]["ours"].get("us")
+            for row in result[system].values():
+                if own and "us" in row:
+                    row["ratio"] = row["us"] / own
+    return result
+
+
+def summary(figures: list) -> dict:
+    good = [f for f in figures if not isinstance(f, str)]
+    if not good:
+        return {"message": figures[-1]}
+    times = [f["us"] for f in good]
+    row = {"us": median(times), "least_us": min(times), "most_us": max(times)}
+    if "share_in_fmus" in good[0]:
+        row["share_in_fmus"] = median(f["share_in_fmus"] for f in good)
+    return row
+
+
+def draw(result: dict[str, dict], path: Path) -> None:
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(9, 2.0 * len(result) + 1), layout="constrained")
+    for axis, (system, rows) in zip(figure.subplots(len(result), 1), result.items()):
+        shown = {name: row for name, row in rows.items() if "us" in row}
+        values = [row["us"] for row in shown.values()]
+        spread = [[row["us"] - row["least_us"] for row in shown.values()],
+                  [row["most_us"] - row["us"] for row in shown.values()]]
+        bars = axis.barh(list(shown), values, xerr=spread, color=["C0", *["0.7"] * (len(shown) - 1)])
+        axis.bar_label(bars, [f"{v:.3g} µs" for v in values], padding=12)
+        axis.set(xscale="log", title=system, xlabel="time per tick (µs), median and spread",
+                 xlim=(min(values) / 3, max(values) * 8))
+        axis.invert_yaxis()
+    path.parent.mkdir(parents=True, exist_ok=True)
+    figure.savefig(path, dpi=120)
+
+
+def show(result: dict[str, dict]) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    for system, rows in result.items():
+        table = Table("master", "µs per tick", "least", "most", "times ours", "share in FMUs", title=system)
+        for name, row in rows.items():
+            if "ratio" in row:
+                share = f"{row['share_in_fmus']:.1%}" if "share_in_fmus" in row else ""
+                table.add_row(name, *(f"{row[k]:.3g}" for k in ("us", "least_us", "most_us", "ratio")), share)
+            else:
+                table.add_row(name, row.get("message", ""))
+        for name, module in UNMEASURED.items():
+            table.add_row(name, "not measured" if find_spec(module) else "not installed")
+        Console().print(table)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--one", nargs=4, metavar=("MASTER", "SSP", "STEP", "TICKS"))
+    parser.add_argument("--rounds", type=int, default=ROUNDS)
+    parser.add_argument("--json", action="store_true")
+    words = parser.parse_args()
+    if words.one:
+        name, ssp, step, ticks = words.one
+        print(json.dumps(MASTERS[name][0](Path(ssp), float(step), int(ticks))), flush=True)
+        return
+    result = compare(words.rounds)
+    draw(result, OUT / "masters.png")
+    if words.json:
+        print(json.dumps({"masters": result, "figure": str(OUT / "masters.png")}))
+    else:
+        show(result)
+        print(f"Figure: {OUT / 'masters.png'}")
+
+
+if __name__ == "__main__":
+    main()
