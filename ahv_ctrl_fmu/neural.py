@@ -22,6 +22,7 @@ from .differentiator import (
 from .interface import gamma_command, limited, start_trim
 
 NODES = 20
+NEWTON_STEPS, DIFFERENCE = 6, 1e-6
 
 State = namedtuple("State", "V_ref h_ref V_integral phi_1 chi chi_d e_integral phi_2 elevator theta_trim")
 
@@ -79,6 +80,14 @@ def errors(m, s, u, p):
     return gamma_d, e0, z2 - s.chi_d[1], z3 - s.chi_d[2]
 
 
+def altitude_activation(m, u, delta_0, p):
+    """h^T h of the altitude network at X2 = [gamma, theta, Q, delta_e0]."""
+    return activation(m, ((u.gamma, p.net2_gamma_min, p.net2_gamma_max, p.net2_gamma_width),
+                          (u.theta, p.net2_theta_min, p.net2_theta_max, p.net2_theta_width),
+                          (u.Q, p.net2_Q_min, p.net2_Q_max, p.net2_Q_width),
+                          (p.direction * delta_0, p.net2_delta0_min, p.net2_delta0_max, p.net2_delta0_width)))
+
+
 def elevator_wanted(delta_0, E, hh, phi_2, p):
     """(56), (49): the network's signal and the elevator before filter and limits."""
     network = 0.5 * E * phi_2 * hh                                                      # (56)
@@ -91,10 +100,7 @@ def altitude_law(m, s, u, p):
     gamma_d, e0, e1, e2 = errors(m, s, u, p)
     E = e2 + 3 * mu * e1 + 3 * mu**2 * e0 + mu**3 * s.e_integral                        # (48)
     delta_0 = -p.kh1 * E + s.chi_d[3] - 3 * mu * e2 - 3 * mu**2 * e1 - mu**3 * e0       # (49)
-    hh = activation(m, ((u.gamma, p.net2_gamma_min, p.net2_gamma_max, p.net2_gamma_width),
-                        (u.theta, p.net2_theta_min, p.net2_theta_max, p.net2_theta_width),
-                        (u.Q, p.net2_Q_min, p.net2_Q_max, p.net2_Q_width),
-                        (p.direction * delta_0, p.net2_delta0_min, p.net2_delta0_max, p.net2_delta0_width)))
+    hh = altitude_activation(m, u, delta_0, p)
     network, wanted = elevator_wanted(delta_0, E, hh, s.phi_2, p)
     sent = m.where(p.elevator_bandwidth > 0, s.elevator[0], wanted)
     elevator, saturated = limited(m, sent, p.elevator_min, p.elevator_max)
@@ -117,9 +123,27 @@ def start(m, u, p):
                  e_integral=0.0, phi_2=0.0, elevator=[elevator, 0.0], theta_trim=theta_trim)
     rest = rest._replace(chi=[tracked_angle(u, rest, p), 0.0, 0.0, 0.0])
     _, e0, e1, e2 = errors(m, rest, u, p)
-    mu = p.mu
-    E = -(p.direction * p.kh * elevator + 3 * mu * e2 + 3 * mu**2 * e1 + mu**3 * e0) / p.kh1
-    return pack(rest._replace(e_integral=(E - e2 - 3 * mu * e1 - 3 * mu**2 * e0) / mu**3))
+    mu, wanted = p.mu, p.direction * p.kh * elevator
+    _, phi_2 = settled(m, u, p, wanted, 0.0)
+    E, _ = settled(m, u, p, wanted, 3 * mu * e2 + 3 * mu**2 * e1 + mu**3 * e0, phi_2)
+    return pack(rest._replace(e_integral=(E - e2 - 3 * mu * e1 - 3 * mu**2 * e0) / mu**3, phi_2=phi_2))
+
+
+def settled(m, u, p, wanted, other, phi_2=None):
+    """E^ and phi_2 for which (49) gives delta_0 - delta_1 = `wanted`, where `other` are the terms of delta_0
+    beside E^; with phi_2 in its equilibrium in (57), or as given."""
+    def at(delta_0):
+        E = -(delta_0 + other) / p.kh1
+        hh = altitude_activation(m, u, delta_0, p)
+        phi = p.lambda_2 * E * E * hh / 4 if phi_2 is None else phi_2
+        return E, phi, delta_0 - 0.5 * E * phi * hh - wanted
+
+    delta_0 = wanted
+    for _ in range(NEWTON_STEPS):
+        residual, beside = at(delta_0)[2], at(delta_0 + DIFFERENCE)[2]
+        delta_0 = delta_0 - residual * DIFFERENCE / (beside - residual)
+    E, phi, _ = at(delta_0)
+    return E, phi
 
 
 def derivative(m, x, u, p):

@@ -56,5 +56,5 @@ def test_a_scenario_file_flies(tmp_path):
                                        "set: {plant.V_start: 8000, scenario.V_command_base: 8000}\n")
     found = json.loads(ahv("run", tmp_path / "own.yaml", "--json", cwd=tmp_path))
     assert found["scenario"] == "own" and found["finished"]
-    assert found["altitude_error_ft"]["max_abs"] < 0.01
+    assert found["altitude_error_ft"]["max_abs"] < 1e-3  # it starts in trim and stays there
     assert (tmp_path / "results" / "own" / "run.json").exists()
