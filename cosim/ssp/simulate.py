@@ -1,5 +1,4 @@
 """`ahv simulate`: an SSP file flown by the master, results as `ahv run` writes them."""
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -8,12 +7,9 @@ from ..flight import progress_bar
 from ..isolated import fly_isolated
 from ..results import prepare_folder, write
 from .load import loaded
+from .notes import note
 
 DEFAULT_STEP = 0.01  # s, as that of `ahv run`
-
-
-def note(text: str) -> None:
-    print(f"ahv: {text}", file=sys.stderr)
 
 
 def simulate(path: Path, step: float | None, stop: float | None, algorithm: str,

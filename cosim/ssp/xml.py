@@ -9,6 +9,7 @@ import fmpy
 from lxml import etree
 
 from ..errors import UsageError
+from .notes import note
 
 SSD, SSC, SSV, SSM = (f"{{http://ssp-standard.org/SSP1/SystemStructure{part}}}"
                       for part in ("Description", "Common", "ParameterValues", "ParameterMapping"))
@@ -21,6 +22,7 @@ DOCUMENTS = {
     SSM + "ParameterMapping": ("SystemStructureParameterMapping.xsd", "parameter mapping"),
 }
 LARGEST = 100_000_000  # bytes of one XML file
+LISTS = ("Connectors", "Elements", "Connections", "ParameterBindings", "Units", "Enumerations", "Annotations")
 Node = Any             # an lxml element
 
 
@@ -53,10 +55,18 @@ def valid(node: Node, where: str, root: str) -> Node:
     if not version.startswith("1."):
         raise UsageError(f"{where} is an SSP {version} {kind}; SSP 1.0 is what runs here.")
     checker = schema(schema_name)
-    if not checker.validate(node):
-        first = checker.error_log[0]
-        raise UsageError(f"{where}, line {first.line}, is not a valid SSP 1.0 {kind}: {short(first.message)}")
+    checker.validate(node)
+    for error in checker.error_log:
+        if not harmless(error):
+            raise UsageError(f"{where}, line {error.line}, is not a valid SSP 1.0 {kind}: {short(error.message)}")
+        note(f"{where}, line {error.line}: {short(error.message)} That is ignored.")
     return node
+
+
+def harmless(error: Any) -> bool:
+    """Whether an error can be passed over: tools write attributes that the standard has not, and empty lists."""
+    empty = re.match(r"Element '\{.*\}(\w+)': Missing child", error.message)
+    return error.type_name == "SCHEMAV_CVC_COMPLEX_TYPE_3_2_1" or bool(empty and empty[1] in LISTS)
 
 
 def refuse_document_type(data: bytes, where: str) -> None:

@@ -165,6 +165,15 @@ def test_a_jacobi_step_is_one_step_late(tmp_path):
     assert table["b.y"].to_pylist() == [0, 0, 2, 2, 2]
 
 
+def test_what_tools_write_beside_the_schema_is_passed_over_and_told(read, capsys):
+    element = component("a").replace("</ssd:Component>", "<ssd:ParameterBindings/></ssd:Component>")
+    inner = system("root", element).replace("<ssd:Elements>", "<ssd:Connectors/><ssd:Elements>")
+    found = read(ssd(inner, '<ssd:DefaultExperiment start="10" stopTime="1"/>'))
+    assert found.stop == 1 and [c.name for c in found.system.components] == ["a"]
+    told = capsys.readouterr().err.splitlines()
+    assert len(told) == 3 and "The attribute 'start' is not allowed. That is ignored." in told[-1]
+
+
 def test_an_fmu_that_crashes_ends_the_run_and_what_was_flown_is_kept(tmp_path):
     path = write(tmp_path / "test.ssp", ssd(system("root", component(
         "a", bindings=inline(parameter("label", "crash", "String"))))))
