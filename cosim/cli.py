@@ -390,3 +390,20 @@ def check(
     failed = [one.fmu.name for one in reports if not one.passed]
     if failed:
         raise RunError(f"{', '.join(failed)} breaks FMI 2.0.")
+
+
+@app.command(context_settings={"allow_extra_args": True, "ignore_unknown_options": True})
+def bench(
+    context: typer.Context,
+    what: Annotated[str, typer.Argument(help="masters, orders or step.")] = "masters",
+) -> None:
+    """Measure, side by side; --json and further options go to the measurement (benchmarks/*.py)."""
+    import subprocess
+
+    folder = Path(__file__).parent.parent / "benchmarks"
+    scripts = {"masters": "masters.py", "orders": "orders.py", "step": "native_step.py"}
+    script = folder / scripts[choice("what", what, scripts)]
+    if not script.is_file():
+        raise UsageError(f"There is no {script}: measurements come with the sources, not with the package.")
+    if subprocess.run([sys.executable, script, *context.args]).returncode:
+        raise RunError(f"The measurement {what} failed, see above.")
