@@ -2,11 +2,16 @@
 import os
 import struct
 import subprocess
+import tempfile
 import zipfile
+from pathlib import Path
 
 import pytest
 from ssp_files import HEAD, component, connection, gain, inline, parameter, ssd, system, write
 from test_cases import AHV
+
+from cosim.errors import UsageError
+from cosim.ssp.simulate import simulate
 
 ONE = ssd(system("root", component("a")))
 ENTITIES = "".join(f"<!ENTITY a{i} '{10 * f'&a{i - 1};'}'>" for i in range(1, 30))
@@ -123,16 +128,34 @@ def hostile_fmu(path, description=None):
     return data
 
 
+@pytest.fixture
+def work(tmp_path, monkeypatch):
+    """A work folder, with a temporary folder beside it."""
+    (tmp_path / "work").mkdir()
+    (tmp_path / "temporary").mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "temporary"))
+    monkeypatch.chdir(tmp_path / "work")
+    return tmp_path / "work"
+
+
 @pytest.mark.parametrize("make,sentence", BAD.values(), ids=BAD)
-def test_is_refused_with_one_sentence_and_leaves_nothing(make, sentence, tmp_path):
-    work, temporary = tmp_path / "work", tmp_path / "temporary"
-    work.mkdir()
-    temporary.mkdir()
+def test_is_refused_with_one_sentence_and_leaves_nothing(make, sentence, work):
     make(work / "bad.ssp")
-    before = sorted(tmp_path.rglob("*"))
-    done = subprocess.run([AHV, "simulate", "bad.ssp", "--step", "0.5"], capture_output=True, text=True, cwd=work,
-                          timeout=120, env={**os.environ, "TMPDIR": str(temporary)})
-    assert done.returncode == 2, done.stderr
+    before = sorted(work.parent.rglob("*"))
+    with pytest.raises(UsageError) as error:
+        simulate(Path("bad.ssp"), 0.5, None, "gauss-seidel", None)
+    assert sentence in str(error.value) and "\n" not in str(error.value)
+    assert sorted(work.parent.rglob("*")) == before
+
+
+@pytest.mark.parametrize("what", ["a truncated archive", "a path that leads outside", "entities without bound",
+                                  "an FMU that leads outside"])
+def test_the_command_exits_with_2(what, work):
+    make, sentence = BAD[what]
+    make(work / "bad.ssp")
+    before = sorted(work.parent.rglob("*"))
+    done = subprocess.run([AHV, "simulate", "bad.ssp", "--json"], capture_output=True, text=True, timeout=120,
+                          env={**os.environ, "TMPDIR": str(work.parent / "temporary")})
+    assert done.returncode == 2 and not done.stdout
     assert sentence in done.stderr and done.stderr.startswith("ahv: ") and len(done.stderr.strip().splitlines()) == 1
-    assert "Traceback" not in done.stderr and not done.stdout
-    assert sorted(tmp_path.rglob("*")) == before
+    assert sorted(work.parent.rglob("*")) == before
