@@ -1,0 +1,139 @@
+"""Error of each algorithm against the step, as a log-log picture: `ahv bench orders [--json]`.
+
+Two systems: two oscillators (the small FMU; exact solution by the matrix exponential), and the vehicle under control
+(Case 1, native FMUs, DOP853 to 1e-12 on the continuous equations). The error is the largest one of the signals, each
+over its nominal (or largest) value, at the times that all steps share. The variable algorithm is shown over its mean
+step, and beside the fixed step of equal error.
+"""
+import json
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+from scipy.linalg import expm
+
+HERE = Path(__file__).parent
+sys.path[:0] = [str(HERE), str(HERE.parent / "tests")]
+
+import oracle  # noqa: E402
+import small  # noqa: E402
+
+from cosim import scenarios  # noqa: E402
+from cosim.cli import chosen_presets, planned  # noqa: E402
+from cosim.flight import fly  # noqa: E402
+
+STEPS = (0.001, 0.002, 0.004, 0.008, 0.016)
+TOLERANCES = (1e-4, 1e-6, 1e-8)
+ALGORITHMS = ("jacobi", "gauss-seidel", "multi-rate,{slow}=4", "iterated", "jacobi,hold=linear",
+              "gauss-seidel,hold=linear", "iterated,hold=linear")
+OUT = Path("results") / "bench"
+
+
+class Pair:
+    """Two oscillators; the direct variant does not say what depends on what, so that `iterated` iterates."""
+    title, slow, stop = "two oscillators", "right", 3.84
+    names = ("left.y", "left.y2", "right.y", "right.y2")
+
+    def __init__(self, folder, **variant):
+        self.system = small.pair(small.build(folder, **variant))
+        self.scale = np.ones(4)
+
+    def truth(self, times):
+        whole = np.array([[0, 1, 0, 0], [-4, -0.3, 0.8, 0], [0, 0, 0, 1], [1, 0, -9, -0.3]])
+        return np.array([expm(whole * t) @ [1.0, 0.0, -0.5, 0.2] for t in times])
+
+
+class Vehicle:
+    """Case 1 under the neural law: nine states of the plant."""
+    title, slow, stop = "the vehicle, Case 1", "controller", 9.6
+    names = tuple(f"plant.{n}" for n in ("V", "h", "gamma", "theta", "Q", "eta1", "eta1_dot", "eta2", "eta2_dot"))
+
+    def __init__(self, fine):
+        plan = scenarios.load("case1")
+        # The FMUs' own steps as short as needed not to be seen.
+        words = [f"plant.internal_step={fine}", f"controller.internal_step={fine}"]
+        self.system = planned(plan, "neural", {**plan.presets, **chosen_presets("calibrated")}, "native", words)
+        self.scale = np.array([1000, 1000, .01, .01, .01, 1, 20, 1, 20])
+
+    def truth(self, times):
+        return oracle.ClosedLoop("case1").solve(np.asarray(times))[:, :9]
+
+
+def errors(system, algorithm, step, truth_at, truth):
+    """(largest scaled error, ticks) of one flight."""
+    flight = fly(system.system, step, system.stop, algorithm.format(slow=system.slow), record=list(system.names))
+    if not flight.finished:
+        return float("nan"), flight.ticks
+    index = np.clip(np.searchsorted(flight.time, truth_at - 1e-9), 0, len(flight.time) - 1)
+    assert np.allclose(flight.time[index], truth_at, atol=1e-8)
+    shown = np.column_stack([flight[n][index] for n in system.names])
+    return float(np.abs((shown - truth) / system.scale).max()), flight.ticks
+
+
+def measure(system) -> dict:
+    """algorithm -> errors at STEPS and slope; `variable` -> tolerance -> error, ticks, ticks of equal error."""
+    common = np.arange(0, system.stop + 1e-9, 4 * max(STEPS))
+    truth, found = system.truth(common), {}
+    for word in ALGORITHMS:
+        reached = [errors(system, word, step, common, truth)[0] for step in STEPS]
+        slope = float(np.polyfit(np.log(STEPS[:4]), np.log(reached[:4]), 1)[0])
+        found[word.format(slow=system.slow)] = {"errors": reached, "slope": slope}
+        print(system.title, word, found[word.format(slow=system.slow)], file=sys.stderr)
+    return found
+
+
+def measure_variable(system) -> dict:
+    """tolerance -> error at the end, ticks, and how many fixed steps of hold=linear the same error takes."""
+    end = np.array([0.0, system.stop])
+    truth, found = system.truth(end), {}
+    fixed = [errors(system, "gauss-seidel,hold=linear", step, end, truth)[0] for step in STEPS]
+    slope, height = np.polyfit(np.log(STEPS), np.log(fixed), 1)
+    for tolerance in TOLERANCES:
+        error, ticks = errors(system, f"variable,tolerance={tolerance}", 0.01, end, truth)
+        equal = np.exp((np.log(error) - height) / slope)
+        found[f"{tolerance:g}"] = {"error": error, "ticks": ticks, "fixed_ticks_of_equal_error": system.stop / equal}
+        print(system.title, tolerance, found[f"{tolerance:g}"], file=sys.stderr)
+    return found
+
+
+def draw(results: dict, path: Path) -> None:
+    figure = Figure(figsize=(11, 5), layout="constrained")
+    for axis, (title, found) in zip(figure.subplots(1, len(results)), results.items()):
+        for i, (word, row) in enumerate(found["fixed"].items()):
+            axis.loglog(STEPS, row["errors"], "s--" if "linear" in word else "o-", color=f"C{i % 4}",
+                        label=f"{word}: {row['slope']:.2f}", linewidth=1.2, markersize=4)
+        for order in (1, 2):
+            guide = np.array(STEPS) ** order
+            height = found["fixed"]["jacobi"]["errors"][-1] / guide[-1] / 3 ** order
+            axis.loglog(STEPS, height * guide, ":", color="0.6")
+        axis.set(title=title, xlabel="communication step (s)", ylabel="largest scaled error")
+        axis.legend(fontsize=7, title="slope (dotted: 1 and 2)", title_fontsize=7)
+        axis.grid(True, which="both", alpha=0.2)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    figure.savefig(path, dpi=120)
+
+
+def main() -> None:
+    with tempfile.TemporaryDirectory() as folder:
+        systems = [Pair(Path(folder), direct=None), Vehicle(2e-4)]
+        results = {s.title: {"fixed": measure(s)} for s in systems}
+        for system, result in zip((Pair(Path(folder)), systems[1]), results.values()):
+            result["variable"] = measure_variable(system)
+    draw(results, OUT / "orders.png")
+    if "--json" in sys.argv:
+        print(json.dumps({"steps_s": STEPS, "orders": results, "figure": str(OUT / "orders.png")}))
+        return
+    for title, result in results.items():
+        print(f"\n{title}: error at steps of {', '.join(f'{1e3 * s:g}' for s in STEPS)} ms, slope")
+        for word, row in result["fixed"].items():
+            print(f"  {word:28}", *(f"{e:9.2e}" for e in row["errors"]), f"{row['slope']:6.2f}")
+        for tolerance, row in result["variable"].items():
+            print(f"  variable, tolerance {tolerance}: error {row['error']:.2e} in {row['ticks']} ticks; "
+                  f"fixed steps of equal error: {row['fixed_ticks_of_equal_error']:.0f}")
+    print(f"Figure: {OUT / 'orders.png'}")
+
+
+if __name__ == "__main__":
+    main()
