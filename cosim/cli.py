@@ -278,6 +278,7 @@ def ssp(
     controller: Annotated[str, typer.Option(help="neural or backstepping.")] = "neural",
     preset: Annotated[str, typer.Option(help="Of the controller; COMPONENT=NAME,... for others too.")] = "calibrated",
     flavour: Annotated[str, typer.Option(help="native or python.")] = "native",
+    plant: Annotated[str, typer.Option(help="ideal, or instrumented: actuators and sensors as they are.")] = "ideal",
     step: Annotated[float, typer.Option(help="Communication step to suggest, s.")] = 0.01,
     set_: Set = [],  # noqa: B006
     out: Annotated[Path | None, typer.Option(help="File; else results/SCENARIO.ssp.")] = None,
@@ -289,7 +290,7 @@ def ssp(
 
     plan = scenarios.load(scenario)
     tick_count(step, plan.stop)
-    system = planned(plan, controller, {**plan.presets, **chosen_presets(preset)}, flavour, set_)
+    system = planned(plan, controller, {**plan.presets, **chosen_presets(preset)}, flavour, set_, plant)
     path = out or Path("results") / f"{plan.name}.ssp"
     write(path, plan.name, system, step, plan.stop)
     print(path, file=sys.stderr)

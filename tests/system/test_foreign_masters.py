@@ -3,6 +3,7 @@
 What differs is the clock only: libcosim counts nanoseconds, ecos adds up steps, ours multiplies. With their clocks our
 master gives their numbers to the last bit; so does fmucontainer, whose clock is ours.
 """
+import os
 import re
 import subprocess
 import sys
@@ -31,7 +32,8 @@ def ours(ssp, stop, folder):
 def theirs(master, ssp, stop, names, folder):
     out = folder / f"{master}.npz"
     words = [sys.executable, HERE / "foreign.py", master, ssp, STEP, stop, out, *names]
-    done = subprocess.run([str(w) for w in words], capture_output=True, text=True, timeout=300, cwd=folder)
+    done = subprocess.run([str(w) for w in words], capture_output=True, text=True, timeout=300, cwd=folder,
+                          env={**os.environ, "TMPDIR": str(folder)})   # where ecos leaves a folder behind
     assert done.returncode == 0, done.stderr[-2000:]
     return np.load(out)["rows"]
 
@@ -97,7 +99,8 @@ EXAMPLES = [text for text in re.findall(r"```python\n(.*?)```", PAGE.read_text()
 def test_the_examples_of_the_page_run(text, tmp_path):
     ahv("ssp", "case1", "--out", tmp_path / "case1.ssp")
     (tmp_path / "fmus").symlink_to(HERE.parent.parent / "fmus")
-    done = subprocess.run([sys.executable, "-c", text], cwd=tmp_path, capture_output=True, text=True, timeout=300)
+    done = subprocess.run([sys.executable, "-c", text], cwd=tmp_path, capture_output=True, text=True, timeout=300,
+                          env={**os.environ, "TMPDIR": str(tmp_path)})
     assert done.returncode == 0, done.stderr
 
 

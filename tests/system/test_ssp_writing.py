@@ -69,6 +69,13 @@ def test_presets_values_and_step_are_in_it(tmp_path):
     assert 'baseStepSize="0.02"' in description and 'stopTime="300.0"' in description
 
 
+@pytest.mark.parametrize("words", [["--controller", "backstepping"], ["--plant", "instrumented"]])
+def test_other_laws_and_plants_are_written_and_fly(words, tmp_path):
+    ahv("ssp", "case1", *words, "--out", tmp_path / "test.ssp")
+    found = json.loads(ahv("simulate", tmp_path / "test.ssp", "--stop", 1, "--out", tmp_path / "out", "--json"))
+    assert found["finished"] and found["ticks"] == 100
+
+
 def test_a_name_becomes_an_identifier(tmp_path):
     (tmp_path / "own.yaml").write_text("name: my run-2\nstop: 2\npresets: {scenario: hold}\n")
     ahv("ssp", tmp_path / "own.yaml", "--out", tmp_path / "own.ssp")
