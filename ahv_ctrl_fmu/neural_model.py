@@ -36,7 +36,13 @@ CALIBRATED = {
     "net2_gamma_width": 0.0156, "net2_theta_width": 0.039, "net2_Q_width": 0.0781,
     "net2_delta0_max": 0.0524, "net2_delta0_width": 0.0235,
 }
-PRESETS = {"calibrated": CALIBRATED, "steady": STEADY, "printed": PRINTED}
+# For a structure that pushes back: slower, behind a structural filter.
+COUPLED = {
+    **STEADY,
+    "kV": 0.9, "kV1": 0.2, "kV2": 0.8, "k_gamma": 0.383, "kh": 0.157, "kh1": 3.26, "mu": 1.28,
+    "c_theta": -6.93e-4, "c_Q": 0.01265, "pitch_rate_gain": 0.136, "R": 57.9, "R_d": 7.88, "elevator_bandwidth": 4.79,
+}
+PRESETS = {"calibrated": CALIBRATED, "steady": STEADY, "coupled": COUPLED, "printed": PRINTED}
 
 # name, causality, unit, start, min, max, nominal, description.
 VARIABLES = [

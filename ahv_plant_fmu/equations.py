@@ -74,10 +74,11 @@ def derivative(m, x, fuel_ratio, elevator, scale, p):
     V_dot = (T * m.cos(alpha) - D) / mass - g * sin_gamma                               # (1)
     h_dot = V * sin_gamma                                                               # (2)
     gamma_dot = (L + T * m.sin(alpha)) / (mass * V) - g * m.cos(gamma) / V              # (3)
-    # (6), (7): k1 eta1'' + c eta2'' = r1, c eta1'' + k2 eta2'' = r2
-    k1, k2, c = 1 + psi1 * psi1 / Iyy, 1 + psi2 * psi2 / Iyy, psi1 * psi2 / Iyy
-    r1 = -2 * p.zeta_1 * p.omega_1 * eta1_dot - p.omega_1 * p.omega_1 * eta1 + N1 - psi1 * M / Iyy
-    r2 = -2 * p.zeta_2 * p.omega_2 * eta2_dot - p.omega_2 * p.omega_2 * eta2 + N2 - psi2 * M / Iyy
+    # (6), (7): k1 eta1'' + c eta2'' = r1, c eta1'' + k2 eta2'' = r2; printed with s = 1, energy is kept with s = -1
+    s = p.coupling_sign
+    k1, k2, c = 1 + s * psi1 * psi1 / Iyy, 1 + s * psi2 * psi2 / Iyy, s * psi1 * psi2 / Iyy
+    r1 = -2 * p.zeta_1 * p.omega_1 * eta1_dot - p.omega_1 * p.omega_1 * eta1 + N1 - s * psi1 * M / Iyy
+    r2 = -2 * p.zeta_2 * p.omega_2 * eta2_dot - p.omega_2 * p.omega_2 * eta2 + N2 - s * psi2 * M / Iyy
     determinant = k1 * k2 - c * c
     eta1_ddot = (k2 * r1 - c * r2) / determinant
     eta2_ddot = (k1 * r2 - c * r1) / determinant

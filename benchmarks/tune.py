@@ -62,6 +62,7 @@ class Flown:
     weight: float
     targets: tuple[float, float, float, float]
     values: dict[str, float] = field(default_factory=dict)
+    plant: dict[str, float] = field(default_factory=dict)
 
 
 def independent(seed: int, amplitude: float) -> dict[str, float]:
@@ -82,25 +83,33 @@ FLIGHTS = [
     Flown("case2", 0.01, 300.0, 2.0, (2.5, 0.5, 0.6, 170.0)),
     Flown("case2", 0.05, 300.0, 0.5, (2.5, 0.5, 0.6, 170.0)),
     *(Flown("case1", 0.02, 100.0, 0.25, (5.0, 1.0, 1.2, 100.0), independent(seed, 0.3)) for seed in range(4)),
-    *(Flown("case1", 0.02, 100.0, 0.5, (5.0, 1.0, 1.2, 100.0), constant(scale)) for scale in (0.6, 1.4)),
+    *(Flown("case1", 0.02, 100.0, 0.5, (5.0, 1.0, 1.2, 100.0), constant(scale)) for scale in (0.85, 1.3)),
 ]
+
+PSI = {"psi_1": -363.5, "psi_2": 328.8}
+STRUCTURES: tuple[dict[str, float], ...] = (PSI, {**PSI, "coupling_sign": -1.0}, {**PSI, "psi_1": 363.5}, {})
+COUPLED = [Flown(case, 0.01, stop, weight, (5.0, 1.5, 1.2, travel), {}, structure)
+           for case, stop, weight, travel in (("case1", 100.0, 1.0, 80.0), ("case2", 300.0, 2.0, 170.0))
+           for structure in STRUCTURES]
+SETS = {"decoupled": FLIGHTS, "coupled": COUPLED}
 
 
 class Bench:
     """The closed loop, loaded once and reset for every flight."""
 
-    def __init__(self, law: str, preset: str):
+    def __init__(self, law: str, preset: str, flights: str = "decoupled"):
+        self.flights = SETS[flights]
         fmus = {"scenario": "AhvScenario", "controller": CONTROLLERS[law], "plant": "AhvPlant"}
         self.paths = {name: fmu_path("native", model) for name, model in fmus.items()}
-        self.presets = {flight.preset: preset_of(self.paths["scenario"], flight.preset) for flight in FLIGHTS}
+        self.presets = {flight.preset: preset_of(self.paths["scenario"], flight.preset) for flight in self.flights}
         self.base = preset_of(self.paths["controller"], preset)
-        self.files = open_files(self.system(FLIGHTS[0], {}))
-        self.master = Master(self.system(FLIGHTS[0], {}), self.files.__enter__())
+        self.files = open_files(self.system(self.flights[0], {}))
+        self.master = Master(self.system(self.flights[0], {}), self.files.__enter__())
         self.method = method("gauss-seidel")
 
     def system(self, flight: Flown, gains: dict[str, float]) -> Any:
         values = {"scenario": {**self.presets[flight.preset], **flight.values},
-                  "controller": {**self.base, **FAST["controller"], **gains}, "plant": FAST["plant"]}
+                  "controller": {**self.base, **FAST["controller"], **gains}, "plant": {**FAST["plant"], **flight.plant}}
         return closed_loop(*(Component(name, self.paths[name], values[name])
                              for name in ("scenario", "controller", "plant")))
 
@@ -110,7 +119,7 @@ class Bench:
 
     def cost(self, gains: dict[str, float]) -> float:
         total = 0.0
-        for flight in FLIGHTS:
+        for flight in self.flights:
             try:
                 flown = self.fly(flight, gains)
             except RunError:
@@ -146,26 +155,29 @@ def decoded(x: Any, names: list[str]) -> dict[str, float]:
             for n, v in zip(names, x)}
 
 
-def tune(law: str, start: str, evaluations: int, sigma: float, seed: int) -> dict[str, Any]:
+def tune(law: str, start: str, flights: str, evaluations: int, sigma: float, seed: int) -> dict[str, Any]:
     """The best gains found within the budget, their cost, and the start's."""
     import cma
 
-    names = FREE[law]
+    names = FREE[law] if flights == "decoupled" else [*FREE[law], "kV", "elevator_bandwidth"]
     given = {"stable": STABLE} if start == "stable" else {}
     if start.endswith(".json"):
         given = {start: json.loads(Path(start).read_text())["gains"]}
-    bench = Bench(law, "calibrated" if given else start)
+    bench = Bench(law, "calibrated" if given else start, flights)
     gains = {**bench.base, **given.get(start, {})}
     search = cma.CMAEvolutionStrategy(encoded(gains, names), sigma,
                                       {"seed": seed, "verbose": -9, "maxfevals": evaluations})
     began, first = time.perf_counter(), bench.cost({n: gains[n] for n in names})
-    while not search.stop():
-        candidates = search.ask()
-        search.tell(candidates, [bench.cost(decoded(x, names)) for x in candidates])
-        print(f"{search.countevals} flown, best cost {search.best.f:.3f}, {time.perf_counter() - began:.0f} s",
-              file=sys.stderr, flush=True)
+    try:
+        while not search.stop():
+            candidates = search.ask()
+            search.tell(candidates, [bench.cost(decoded(x, names)) for x in candidates])
+            print(f"{search.countevals} flown, best cost {search.best.f:.3f}, {time.perf_counter() - began:.0f} s",
+                  file=sys.stderr, flush=True)
+    except KeyboardInterrupt:
+        pass  # the best until then
     best = {n: float(f"{v:.4g}") for n, v in decoded(search.best.x, names).items()}
-    return {"law": law, "start": start, "evaluations": search.countevals, "seed": seed, "sigma": sigma,
+    return {"law": law, "start": start, "flights": flights, "evaluations": search.countevals, "seed": seed, "sigma": sigma,
             "cost_of_start": first, "cost": bench.cost(best), "gains": best}
 
 
@@ -173,6 +185,7 @@ if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("law", choices=list(FREE))
     parser.add_argument("--start", default="calibrated", help="a preset of the law, stable (backstepping), or what this script printed")
+    parser.add_argument("--flights", choices=list(SETS), default="decoupled", help="coupled: neural only")
     parser.add_argument("--evaluations", type=int, default=1000)
     parser.add_argument("--sigma", type=float, default=0.3)
     parser.add_argument("--seed", type=int, default=1)
