@@ -1,0 +1,162 @@
+"""From a campaign file and the FMUs to what is flown; everything that can be checked is checked here."""
+import hashlib
+import json
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from .. import scenarios
+from ..algorithms import method
+from ..cli import FLAVOURS, PLANTS, planned
+from ..errors import UsageError
+from ..flight import tick_count
+from ..master import open_files
+from ..scenarios import Scenario
+from ..system import System
+from ..wiring import checked_connections, picked
+from .criteria import METRICS, metrics_of
+from .sampling import Draw, Sampler
+from .source import Source
+from .spec import Campaign, Law
+from .uncertain import Fmus, all_draws, all_mixings, checked, with_constants
+
+NEEDED = ["plant.h", "plant.V", "plant.h_true", "plant.V_true", "controller.h_reference", "controller.V_reference",
+          "controller.elevator", "controller.fuel_ratio", "controller.phi_hat_1", "controller.phi_hat_2"]
+TICKS_PER_TASK, MOST_PER_TASK, LEAST_TASKS = 200_000, 200, 16
+
+
+@dataclass(frozen=True)
+class Job:
+    """What a worker has to know: the same for every run."""
+    key: str                              # differs when anything here does
+    systems: dict[str, System]            # of each law; the FMUs are SHA256/FILE.fmu, wherever the worker has them
+    record: dict[str, list[str]]
+    step: float
+    ticks: int
+    algorithm: str
+    success: dict[str, str]
+    timeout_s: float
+    keep_failures: bool                   # their signals
+    decimate: int
+
+
+@dataclass(frozen=True)
+class Plan:
+    campaign: Campaign
+    scenario: Scenario
+    stop: float
+    draws: dict[str, tuple[Draw, ...]]    # of each law: relative draws multiply its own nominal values
+    sampler: Sampler
+    job: Job
+    fmus: dict[str, Path]                 # SHA256/FILE.fmu -> the file
+    fingerprint: dict[str, Any]           # what determines the rows
+    runs_per_task: int
+
+    @property
+    def laws(self) -> list[str]:
+        return list(self.job.systems)
+
+    @property
+    def worst_by(self) -> str:
+        return self.campaign.worst_by or next(iter(n for text in self.campaign.success.values()
+                                                   for n in metrics_of(text)), "altitude_error_ft.max_abs")
+
+    def batches(self) -> Iterator[tuple[int, int]]:
+        """First and past-the-last run of each task."""
+        for first in range(0, self.campaign.runs, self.runs_per_task):
+            yield first, min(first + self.runs_per_task, self.campaign.runs)
+
+
+def load(path: Path) -> Plan:
+    """Raises UsageError, with line and field, for the first thing in the file that cannot be."""
+    source = Source(path)
+    return make(source.campaign(), source)
+
+
+def make(campaign: Campaign, source: Source) -> Plan:
+    for field, allowed in (("flavour", FLAVOURS), ("plant", tuple(PLANTS)), ("worst_by", (None, *METRICS))):
+        if (given := getattr(campaign, field)) not in allowed:
+            source.fail((field,), f"there is no {given}; there are {', '.join(filter(None, allowed))}")
+    with source.at("scenario"):
+        scenario = scenarios.load(beside(source.path, campaign.scenario))
+    stop = campaign.stop or scenario.stop
+    with source.at("stop" if campaign.stop else "step"):
+        ticks = tick_count(campaign.step, stop)
+    with source.at("algorithm"):
+        method(campaign.algorithm)
+    systems, record, draws, fmus = {}, {}, {}, {}
+    for i, law in enumerate(campaign.controllers):
+        with source.at("controllers", i):
+            system = system_of(campaign, scenario, law)
+        with open_files(system) as files:
+            check_values(source, campaign, law, i, system, files)
+            draws[law.name] = all_draws(source, campaign, system, files)
+            record[law.name] = recorded(source, campaign, system, files)
+            system = with_constants(source, campaign, system, files)
+            stored = {c.name: f"{files[c.name].sha256}/{c.fmu.name}" for c in system.components}
+        fmus.update({stored[c.name]: c.fmu for c in system.components})
+        systems[law.name] = replace(system, components=tuple(
+            replace(c, fmu=Path(stored[c.name])) for c in system.components))
+    first = draws[campaign.controllers[0].name]
+    sampler = Sampler(campaign.sampling, campaign.seed, campaign.runs, len(first),
+                      all_mixings(source, campaign, first))
+    runs_per_task = campaign.runs_per_task or task_size(campaign, ticks * len(systems))
+    fingerprint = {
+        **campaign.model_dump(mode="json", exclude={"name", "worst_by"}), "scenario": scenario.model_dump(mode="json"),
+        "stop": stop, "runs_per_task": runs_per_task,
+        "fmus": {law: {c.name: str(c.fmu) for c in s.components} for law, s in systems.items()}}
+    job = Job(hashlib.sha256(json.dumps(fingerprint, sort_keys=True).encode()).hexdigest(), systems, record,
+              campaign.step, ticks, campaign.algorithm, campaign.success, campaign.timeout_s,
+              campaign.signals.failures, campaign.signals.decimate)
+    return Plan(campaign, scenario, stop, draws, sampler, job, fmus, fingerprint, runs_per_task)
+
+
+def beside(path: Path, scenario: str) -> str:
+    """A scenario file is named from where the campaign file is."""
+    file = path.parent / scenario
+    return str(file.resolve()) if scenario not in scenarios.BUILT_IN and file.is_file() else scenario
+
+
+def presets(campaign: Campaign, scenario: Scenario, law: Law) -> dict[str, str]:
+    return {**scenario.presets, **campaign.presets, "controller": law.preset}
+
+
+def system_of(campaign: Campaign, scenario: Scenario, law: Law) -> System:
+    words = [f"{name}={value}" for name, value in {**campaign.set, **law.set}.items()]
+    return planned(scenario, law.law, presets(campaign, scenario, law), campaign.flavour, words, campaign.plant)
+
+
+def check_values(source: Source, campaign: Campaign, law: Law, number: int, system: System, files: Fmus) -> None:
+    for name, value in campaign.set.items():
+        with source.at("set", name):
+            checked(files, name, value)
+    for name, value in law.set.items():
+        with source.at("controllers", number, "set", name):
+            checked(files, name, value)
+    for component in system.components:
+        for variable, value in component.values.items():
+            with source.at("scenario"):
+                checked(files, f"{component.name}.{variable}", value)
+    with source.at("plant"):
+        checked_connections(system, dict(files))
+
+
+def recorded(source: Source, campaign: Campaign, system: System, files: Fmus) -> list[str]:
+    """What is recorded of a law: what the metrics need, and what the file asks for where this law has it."""
+    known = dict(files)
+    chosen = picked(system, known, None) & set(NEEDED)
+    for pattern in campaign.signals.record:
+        try:
+            chosen |= picked(system, known, [pattern])
+        except UsageError:
+            if len(campaign.controllers) == 1:
+                source.fail(("signals", "record"), f"{pattern} fits no numeric variable")
+    return sorted(chosen)
+
+
+def task_size(campaign: Campaign, ticks: int) -> int:
+    """Runs of one task: a second or so of work, and tasks enough to share out."""
+    per_task = TICKS_PER_TASK if campaign.flavour == "native" else TICKS_PER_TASK // 50
+    return max(1, min(per_task // ticks, MOST_PER_TASK, math.ceil(campaign.runs / LEAST_TASKS)))

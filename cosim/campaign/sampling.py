@@ -1,0 +1,141 @@
+"""The draws of run k: they depend on the seed and k, and on nothing else.
+
+`random` and `sobol` are the same for run k however many runs there are; a Latin hypercube divides each range into as
+many strata as there are runs, so there a run also depends on their number.
+"""
+import math
+import warnings
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from ..system import Value
+from .spec import Choice, Correlation, LogNormal, Normal, Uniform
+
+Scalar = Uniform | Normal | LogNormal | Choice
+EDGE = 2.0**-53     # a uniform draw stays off 0 and 1 by this
+DRAWS, SHARE = 0, 1  # streams of random numbers
+
+
+@dataclass(frozen=True)
+class Draw:
+    """One uncertain number: which variables get it, and from what."""
+    name: str                    # component.variable; the column of the results
+    targets: tuple[str, ...]     # what is set
+    distribution: Scalar
+    factor: float | None = None  # the nominal value that the draw multiplies
+    period: bool = False         # drawn as a period, set as an angular frequency
+
+    def value(self, u: float) -> Value:
+        """The value at the probability `u`."""
+        found = quantile(self.distribution, u)
+        if self.factor is not None:
+            found = self.factor * float(found)
+        return 2 * math.pi / float(found) if self.period else found
+
+    def extremes(self) -> list[Value]:
+        """Values that must be allowed: the ends of a bounded distribution, the middle of another."""
+        d = self.distribution
+        if isinstance(d, Choice):
+            counts = [1.0] * len(d.values) if d.weights is None else d.weights
+            ends = (np.cumsum(counts) - 0.5 * np.array(counts))[np.array(counts) > 0] / sum(counts)
+            return [self.value(float(u)) for u in ends]
+        bounded = isinstance(d, Uniform) or (isinstance(d, Normal) and None not in (d.low, d.high))
+        return [self.value(u) for u in ((0.0, 1.0) if bounded else (0.5,))]
+
+
+def quantile(d: Scalar, u: float) -> Value:
+    from scipy.special import ndtr, ndtri
+
+    if isinstance(d, Uniform):
+        return d.low + u * (d.high - d.low)
+    if isinstance(d, Normal):
+        low = 0.0 if d.low is None else float(ndtr((d.low - d.mean) / d.std))
+        high = 1.0 if d.high is None else float(ndtr((d.high - d.mean) / d.std))
+        found = d.mean + d.std * float(ndtri(low + u * (high - low)))
+        return min(max(found, -math.inf if d.low is None else d.low), math.inf if d.high is None else d.high)
+    if isinstance(d, LogNormal):
+        return d.median * math.exp(d.sigma * float(ndtri(u)))
+    weights = np.cumsum([1.0] * len(d.values) if d.weights is None else d.weights)
+    return d.values[min(int(np.searchsorted(weights, u * weights[-1], side="right")), len(d.values) - 1)]
+
+
+def stream(seed: int, k: int, which: int) -> np.random.Generator:
+    """Random numbers of run k alone: a counter-based generator, each run in a block of its own."""
+    return np.random.Generator(np.random.Philox(key=np.array([seed, which], np.uint64),
+                                                counter=np.array([0, 0, 0, k], np.uint64)))
+
+
+@dataclass(frozen=True)
+class Mixing:
+    """A correlated group: normal scores of the draws `members` are multiplied by a root of its matrix."""
+    members: tuple[int, ...]
+    root: np.ndarray
+
+
+def mixing(group: Correlation, names: list[str]) -> Mixing:
+    """Raises ValueError for a name that is no draw, or a matrix that cannot be a correlation."""
+    for name in group.draws:
+        if name not in names:
+            raise ValueError(f"{name} is not drawn; there are {', '.join(names)}")
+    n = len(group.draws)
+    if group.matrix is None:
+        matrix = np.full((n, n), group.coefficient)
+        np.fill_diagonal(matrix, 1.0)
+    elif [len(row) for row in group.matrix] != [n] * n:
+        raise ValueError(f"matrix must have {n} rows of {n} numbers")
+    else:
+        matrix = np.array(group.matrix)
+    if not (np.isfinite(matrix).all() and np.allclose(matrix, matrix.T, atol=1e-12) and (np.diag(matrix) == 1.0).all()):
+        raise ValueError("a correlation matrix is symmetric, with 1 on its diagonal")
+    size, axes = np.linalg.eigh(matrix)
+    if size[0] < -1e-9:
+        raise ValueError(f"nothing can be correlated like that: the matrix has the negative eigenvalue {size[0]:.3g}")
+    return Mixing(tuple(names.index(name) for name in group.draws), (axes * np.sqrt(np.maximum(size, 0.0))) @ axes.T)
+
+
+@dataclass(frozen=True)
+class Sampler:
+    """Points of the unit cube, one for each run."""
+    sampling: str
+    seed: int
+    runs: int
+    dimensions: int
+    mixings: tuple[Mixing, ...] = ()
+
+    @cached_property
+    def points(self) -> np.ndarray:
+        """All runs' points, for sequences that come as a whole."""
+        from scipy.stats import qmc
+
+        rng = np.random.default_rng(self.seed)
+        if self.sampling == "latin-hypercube":
+            return qmc.LatinHypercube(self.dimensions, rng=rng).random(self.runs)
+        with warnings.catch_warnings():  # any number of points is allowed here; powers of 2 are best
+            warnings.simplefilter("ignore", UserWarning)
+            return qmc.Sobol(self.dimensions, rng=rng).random(self.runs)
+
+    def uniforms(self, k: int) -> np.ndarray:
+        """Run k's point, correlated."""
+        from scipy.special import ndtr, ndtri
+
+        random = self.sampling == "random"
+        u = stream(self.seed, k, DRAWS).random(self.dimensions) if random else self.points[k].copy()
+        u = np.clip(u, EDGE, 1 - EDGE)
+        for group in self.mixings:
+            members = list(group.members)
+            scores = ndtri(u[members])
+            u[members] = np.clip(ndtr([float((row * scores).sum()) for row in group.root]), EDGE, 1 - EDGE)
+        return u
+
+
+def picked(seed: int, k: int, share: float) -> bool:
+    """Whether run k is one of the share whose signals are kept."""
+    return share > 0 and bool(stream(seed, k, SHARE).random() < share)
+
+
+def draw(draws: tuple[Draw, ...], u: Any) -> dict[str, Value]:
+    """The values of one run, by the draws' names."""
+    return {d.name: d.value(float(x)) for d, x in zip(draws, u)}

@@ -1,0 +1,180 @@
+"""The campaign file's models. `docs/campaigns.md` says it in words."""
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
+
+from .criteria import Criterion
+
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+Finite = Annotated[float, Field(allow_inf_nan=False)]
+Name = Annotated[str, Field(pattern=r"^\w+\.[^\s=]+$")]  # component.variable
+
+
+class Strict(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class Uniform(Strict):
+    distribution: Literal["uniform"]
+    low: Finite
+    high: Finite
+
+    @model_validator(mode="after")
+    def ordered(self) -> "Uniform":
+        if not self.low < self.high:
+            raise ValueError("low must be below high")
+        return self
+
+
+class Normal(Strict):
+    """Cut off at `low` and `high` where these are given."""
+    distribution: Literal["normal"]
+    mean: Finite
+    std: Positive
+    low: Finite | None = None
+    high: Finite | None = None
+
+    @model_validator(mode="after")
+    def ordered(self) -> "Normal":
+        if self.low is not None and self.high is not None and not self.low < self.high:
+            raise ValueError("low must be below high")
+        return self
+
+
+class LogNormal(Strict):
+    """Its logarithm is normal, with standard deviation `sigma` about the logarithm of `median`."""
+    distribution: Literal["log-normal"]
+    median: Positive
+    sigma: Positive
+
+
+class Choice(Strict):
+    distribution: Literal["choice"]
+    values: list[bool | Finite | str] = Field(min_length=1)
+    weights: list[Annotated[float, Field(ge=0, allow_inf_nan=False)]] | None = None
+
+    @model_validator(mode="after")
+    def weighted(self) -> "Choice":
+        if self.weights is not None and (len(self.weights) != len(self.values) or sum(self.weights) <= 0):
+            raise ValueError("weights must be one for each of values, and not all 0")
+        if len({str if isinstance(v, str) else bool if isinstance(v, bool) else float for v in self.values}) > 1:
+            raise ValueError("values must be all numbers, all truths or all words")
+        return self
+
+
+Scalar = Annotated[Uniform | Normal | LogNormal | Choice, Field(discriminator="distribution")]
+
+
+class Sinusoid(Strict):
+    """amplitude * sin(2 pi t / period + phase) on a scenario signal; each a number or a distribution."""
+    distribution: Literal["sinusoid"]
+    amplitude: Finite | Scalar
+    period: Positive | Scalar
+    phase: Finite | Scalar = Uniform(distribution="uniform", low=0.0, high=6.283185307179586)
+
+    @field_validator("amplitude", "period", "phase", mode="before")
+    @classmethod
+    def number_or_distribution(cls, value: Any) -> Any:
+        if not isinstance(value, dict | int | float | BaseModel) or isinstance(value, bool):
+            raise ValueError("a number, or a distribution, is wanted")
+        return value
+
+
+class Options(Strict):
+    relative: bool = Field(default=False, description="the draw multiplies the nominal value")
+    also: list[Name] = Field(default=[], description="variables that are set to the same value")
+
+
+class DispersedUniform(Uniform, Options):
+    pass
+
+
+class DispersedNormal(Normal, Options):
+    pass
+
+
+class DispersedLogNormal(LogNormal, Options):
+    pass
+
+
+class DispersedChoice(Choice, Options):
+    @model_validator(mode="after")
+    def numbers(self) -> "DispersedChoice":
+        if self.relative and not all(isinstance(v, float) for v in self.values):
+            raise ValueError("relative needs values that are numbers")
+        return self
+
+
+Dispersion = Annotated[DispersedUniform | DispersedNormal | DispersedLogNormal | DispersedChoice | Sinusoid,
+                       Field(discriminator="distribution")]
+
+
+class Correlation(Strict):
+    """A Gaussian copula over draws: one coefficient for every pair, or a whole matrix."""
+    draws: list[Name] = Field(min_length=2)
+    coefficient: float | None = Field(default=None, ge=-1, le=1)
+    matrix: list[list[float]] | None = None
+
+    @model_validator(mode="after")
+    def one_of_them(self) -> "Correlation":
+        if (self.coefficient is None) == (self.matrix is None):
+            raise ValueError("either coefficient or matrix is wanted")
+        if len(set(self.draws)) < len(self.draws):
+            raise ValueError("draws must differ")
+        return self
+
+
+class Law(Strict):
+    """A controller to fly; `name` tells two presets of one law apart."""
+    law: str
+    preset: str = "calibrated"
+    name: str = ""
+    set: dict[Name, Finite | bool | str] = {}
+
+
+class Signals(Strict):
+    """Whose signals are kept: of a share of the runs, and of the failures."""
+    share: float = Field(default=0.0, ge=0, le=1)
+    failures: bool = False
+    record: list[str] = Field(default=[], description="component.variable, * for any; none: what metrics need")
+    decimate: int = Field(default=10, ge=1)
+
+
+class Campaign(Strict):
+    """What a campaign file may say."""
+    name: str = Field(pattern=r"^[\w.-]+$")
+    scenario: str
+    controllers: list[Law] = Field(default=["neural"], min_length=1, validate_default=True)  # type: ignore[list-item]
+    presets: dict[str, str] = Field(default={}, description="of other components")
+    plant: str = "ideal"
+    flavour: str = "native"
+    step: Positive = 0.01
+    stop: Positive | None = None
+    algorithm: str = "gauss-seidel"
+    set: dict[Name, Finite | bool | str] = {}
+    runs: int = Field(ge=1, le=100_000_000)
+    seed: int = Field(ge=0, lt=2**63)
+    sampling: Literal["random", "latin-hypercube", "sobol"] = "random"
+    dispersions: dict[Name, Dispersion] = Field(min_length=1)
+    correlations: list[Correlation] = []
+    success: dict[str, Criterion] = Field(min_length=1, description="besides reaching the end")
+    worst_by: str | None = Field(default=None, description="a metric; else the first that success names")
+    signals: Signals = Signals()
+    timeout_s: Positive = 60.0
+    runs_per_task: int | None = Field(default=None, ge=1)
+
+    @field_validator("controllers", mode="before")
+    @classmethod
+    def words(cls, value: Any) -> Any:
+        return [{"law": item} if isinstance(item, str) else item for item in value] if isinstance(value, list) \
+            else value
+
+    @field_validator("controllers")
+    @classmethod
+    def named(cls, value: list[Law]) -> list[Law]:
+        found = [law if law.name else law.model_copy(update={"name": law.law}) for law in value]
+        names = [law.name for law in found]
+        for name in names:
+            if names.count(name) > 1:
+                raise ValueError(f"two controllers are called {name}: give each a name of its own")
+        return found

@@ -1,0 +1,115 @@
+"""A campaign file that is wrong: one sentence with line and field, before anything runs."""
+import pytest
+import yaml
+
+from cosim.campaign.plan import load
+from cosim.errors import UsageError
+
+GOOD = """\
+name: small
+scenario: case1
+stop: 1
+runs: 8
+seed: 3
+dispersions:
+  plant.mass: {distribution: normal, mean: 300, std: 10, low: 270, high: 330}
+  scenario.scale_lift:
+    distribution: sinusoid
+    amplitude: {distribution: uniform, low: 0, high: 0.4}
+    period: 40
+success:
+  altitude: altitude_error_ft.max_abs < 20
+"""
+
+WRONG = {
+    "no YAML": ("runs: 8", "runs: [8", "line 5: this is not YAML: expected ',' or ']'"),
+    "a missing field": ("seed: 3\n", "", "line 1: seed is missing"),
+    "a misspelt field": ("seed: 3", "sede: 3", "is missing"),
+    "a field too many": ("seed: 3", "seed: 3\ncolour: red", "line 6: colour: there is no such field"),
+    "a key twice": ("seed: 3", "seed: 3\nruns: 9", "line 6: runs is given twice"),
+    "no runs": ("runs: 8", "runs: 0", "line 4: runs: Input should be greater than or equal to 1, not 0"),
+    "a word for a number": ("seed: 3", "seed: three", "line 5: seed: Input should be a valid integer"),
+    "an unknown scenario": ("case1", "caes1", "line 2: scenario: caes1 is neither a scenario"),
+    "an unknown law": ("seed: 3",
+                       "seed: 3\ncontrollers: [pid]", "line 6: controllers.0: --controller pid is not known"),
+    "one law twice": ("seed: 3", "seed: 3\ncontrollers: [neural, neural]", "two controllers are called neural"),
+    "an unknown preset": ("seed: 3",
+                          "seed: 3\ncontrollers:\n- {law: neural, preset: x}", "line 7: controllers.0: AhvCon"),
+    "an unknown flavour": ("seed: 3",
+                           "seed: 3\nflavour: java", "line 6: flavour: there is no java; there are python, na"),
+    "an unknown plant": ("seed: 3", "seed: 3\nplant: glider", "line 6: plant: there is no glider; there are ideal"),
+    "an unknown sampling": ("seed: 3", "seed: 3\nsampling: magic", "line 6: sampling: Input should be 'random'"),
+    "an unknown algorithm": ("seed: 3", "seed: 3\nalgorithm: magic", "line 6: algorithm: --algorithm magic"),
+    "a stop that does not fit": ("stop: 1", "stop: 1.005", "line 3: stop: --stop 1.005 s is not a whole number"),
+    "a value that is not allowed": ("seed: 3",
+                                    "seed: 3\nset: {plant.mass: -1}", "line 6: set.plant.mass: plant.mass = -1"),
+    "a variable that is not there": ("plant.mass:",
+                                     "plant.maas:", "line 7: dispersions.plant.maas: AhvPlant.fmu has no "
+                                     "variable maas; did you mean mass?"),
+    "a component that is not there": ("plant.mass:", "plnt.mass:", "There is no component plnt"),
+    "an output": ("plant.mass:", "plant.V:", "plant.V is an output and cannot be set"),
+    "an unknown distribution": ("distribution: normal",
+                                "distribution: gauss", "line 7: dispersions.plant.mass: Input tag"),
+    "no distribution": ("distribution: normal, ", "", "line 7: dispersions.plant.mass: Unable to extract tag"),
+    "a negative spread": ("std: 10", "std: -10", "line 7: dispersions.plant.mass.std: Input should be greater than 0"),
+    "ends the wrong way round": ("low: 270", "low: 370", "line 7: dispersions.plant.mass: low must be below high"),
+    "an end that is not allowed": ("low: 270, high: 330", "low: 270, high: 1e9", "plant.mass = "),
+    "a wave on no signal": ("scenario.scale_lift:",
+                            "plant.chord:", "line 8: dispersions.plant.chord: plant.chord is no signal"),
+    "a period of nothing": ("period: 40",
+                            "period: {distribution: uniform, low: 0, high: 1}", "a period must be above 0"),
+    "a variable drawn twice": ("success:",
+                               "  scenario.scale_lift_sine: {distribution: uniform, low: 0, high: 1}\nsuccess:",
+                               "line 12: dispersions.scenario.scale_lift_sine: scenario.scale_lift_sine is set by"),
+    "correlation with nothing": ("success:", "correlations:\n- {draws: [plant.mass, plant.chord], coefficient: 0.5}\n"
+                                 "success:", "line 13: correlations.0: plant.chord is not drawn"),
+    "correlation that cannot be": ("success:",
+                                   "correlations:\n- draws: [plant.mass, scenario.scale_lift_sine]\n  matrix: "
+                                   "[[1, 2], [2, 1]]\nsuccess:", "line 13: correlations.0: nothing can be correlated"),
+    "a metric that is not there": ("altitude_error_ft.max_abs",
+                                   "altitude_eror", "line 13: success.altitude: 'altitude_ero"),
+    "a criterion that is none": ("altitude_error_ft.max_abs < 20", "elevator_deg.max", "is neither true nor false"),
+    "code": ("altitude_error_ft.max_abs < 20", "__import__('os').getcwd() < 3", "is not allowed in an expression"),
+    "signals that are not there": ("seed: 3",
+                                   "seed: 3\nsignals: {record: [plant.zeal]}", "line 6: signals.record: plant.zeal"),
+    "itself": ("seed: 3", "seed: 3\nset: &a {b: *a}", "line 6: set.b: it contains itself"),
+}
+
+
+def plan(text, tmp_path):
+    (tmp_path / "campaign.yaml").write_text(text)
+    return load(tmp_path / "campaign.yaml")
+
+
+@pytest.mark.parametrize("before,after,sentence", WRONG.values(), ids=WRONG)
+def test_a_wrong_file_is_refused_with_line_and_field(before, after, sentence, tmp_path):
+    assert before in GOOD
+    with pytest.raises(UsageError) as error:
+        plan(GOOD.replace(before, after), tmp_path)
+    assert sentence in str(error.value) and str(tmp_path / "campaign.yaml") in str(error.value)
+    assert len(str(error.value).splitlines()) == 1
+
+
+@pytest.mark.parametrize("text", ["", "- 1\n", "words", "\x00", "5", "? [a]\n: 1\n"])
+def test_what_is_no_campaign_at_all_is_refused_too(text, tmp_path):
+    with pytest.raises(UsageError, match=r"campaign\.yaml"):
+        plan(text, tmp_path)
+
+
+def test_constants_of_a_wave_are_set_and_the_rest_is_drawn(tmp_path):
+    found = plan(GOOD, tmp_path)
+    assert [d.name for d in found.draws["neural"]] == [
+        "plant.mass", "scenario.scale_lift_sine", "scenario.scale_lift_sine_phase"]
+    scenario = found.job.systems["neural"].components[0]
+    assert scenario.values["scale_lift_sine_omega"] == pytest.approx(0.15707963)
+
+
+def test_a_signal_stands_for_its_base_and_a_relative_draw_multiplies_the_nominal_value(tmp_path):
+    data = yaml.safe_load(GOOD)
+    data["set"] = {"plant.mass": 200}
+    data["dispersions"] = {
+        "scenario.h_command": {"distribution": "choice", "values": [80000, 90000], "also": ["plant.h_start"]},
+        "plant.mass": {"distribution": "uniform", "low": 0.9, "high": 1.1, "relative": True}}
+    command, mass = plan(yaml.dump(data, sort_keys=False), tmp_path).draws["neural"]
+    assert command.targets == ("scenario.h_command_base", "plant.h_start")
+    assert mass.extremes() == [180.0, pytest.approx(220.0)]
