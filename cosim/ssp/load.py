@@ -102,8 +102,8 @@ def assembled(structure: Structure, folder: Path, files: dict[Path_, FmuFile]) -
         sources[flat(path)] = element.source or ""
     check_names(components)
     return Loaded(structure.name, System(tuple(components), tuple(connections)), structure.start or 0.0,
-                  structure.stop or latest(files, "stopTime"), structure.step or earliest(files, "stepSize"),
-                  sources, ignored)
+                  structure.stop or max(declared(files, "stopTime"), default=None),
+                  structure.step or min(declared(files, "stepSize"), default=None), sources, ignored)
 
 
 def flat(path: Path_) -> str:
@@ -154,11 +154,3 @@ def declared(files: dict[Path_, FmuFile], attribute: str) -> list[float]:
     """What the FMUs' default experiments say about `attribute`."""
     found = (getattr(file.description.defaultExperiment, attribute, None) for file in files.values())
     return [float(x) for x in found if x]
-
-
-def latest(files: dict[Path_, FmuFile], attribute: str) -> float | None:
-    return max(declared(files, attribute), default=None)
-
-
-def earliest(files: dict[Path_, FmuFile], attribute: str) -> float | None:
-    return min(declared(files, attribute), default=None)

@@ -37,7 +37,7 @@ def conversion(source: Unit, target: Unit) -> tuple[float, float] | None:
     """(factor, offset) from values in `source` to values in `target`; None if there is none."""
     if source.name == target.name:
         return 1.0, 0.0
-    if source.exponents is None or source.exponents != target.exponents:
+    if source.exponents is None or source.exponents != target.exponents or target.factor == 0:
         return None
     if (source.factor, source.offset) == (target.factor, target.offset):
         return 1.0, 0.0

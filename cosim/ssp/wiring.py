@@ -1,6 +1,7 @@
 """Connections through nested systems, with units, as the master's connections between FMUs."""
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from math import isfinite
 
 from ..errors import UsageError
 from .structure import Link, Point, Structure, called
@@ -27,6 +28,9 @@ class Traced:
                                  f"{self.unit.name} to {end.name}.")
             change = found
         factor, offset = link.factor * change[0], link.factor * change[1] + link.offset
+        if not (isfinite(factor) and isfinite(offset)):
+            raise UsageError(f"The connection from {called(link.start)} to {called(link.end)} has the factor "
+                             f"{link.factor:g} and the offset {link.offset:g}; they have to be finite.")
         unit = end or (self.unit if link.converts else None)
         return Traced(self.origin, unit, factor * self.factor, factor * self.offset + offset)
 

@@ -78,7 +78,7 @@ def refuse_document_type(data: bytes, where: str) -> None:
     reader.StartDoctypeDeclHandler = refuse
     try:
         reader.Parse(data, True)
-    except (expat.ExpatError, ValueError) as error:
+    except (expat.ExpatError, ValueError, LookupError) as error:  # LookupError: an unknown encoding
         raise UsageError(f"{where} is not well-formed XML: {error}.") from None
 
 

@@ -87,6 +87,7 @@ BAD = {
     "no description": (lambda path: write(path, None), "has no SystemStructure.ssd: it is not an SSP"),
     "an empty description": (lambda path: write(path, ""), "SystemStructure.ssd is not well-formed XML"),
     "half a description": (lambda path: write(path, ONE[:len(ONE) // 2]), "SystemStructure.ssd is not well-formed XML"),
+    "an unknown encoding": (lambda path: write(path, ONE.replace("UTF-8", "UTF-88")), "is not well-formed XML"),
     "another XML file": (lambda path: write(path, "<html/>"), "its root element is html"),
     "entities without bound": (lambda path: write(path, BOMB), "declares a document type"),
     "an entity from a file": (lambda path: write(path, THIEF), "declares a document type"),

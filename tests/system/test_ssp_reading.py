@@ -187,6 +187,9 @@ CHAIN = component("a", y="m") + component("b", u="s")
 REFUSED = {
     "a unit that cannot be converted": (system("root", CHAIN, connection("a.y", "b.u")),
                                         "from a.y to b.u cannot convert m to s"),
+    "a factor that is no number": (system("root", component("a") + component("b"),
+                                          connection("a.y", "b.u", linear("NaN", 0))),
+                                   "from a.y to b.u has the factor nan and the offset 0; they have to be finite"),
     "an unknown connector": (system("root", CHAIN, connection("a.yy", "b.u")),
                              "the connector yy, which a does not have; did you mean y?"),
     "an unknown element": (system("root", CHAIN, connection("aa.y", "b.u")),
