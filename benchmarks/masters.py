@@ -114,7 +114,7 @@ def write_systems(folder: Path) -> dict[str, Path]:
     import small
 
     from cosim import scenarios
-    from cosim.cli import chosen_presets, planned
+    from cosim.closed_loop import chosen_presets, planned
     from cosim.ssp.write import write
 
     pair = small.pair(small.build(folder, others=False), a22=0.0)

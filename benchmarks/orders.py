@@ -21,7 +21,7 @@ import oracle  # noqa: E402
 import small  # noqa: E402
 
 from cosim import scenarios  # noqa: E402
-from cosim.cli import chosen_presets, planned  # noqa: E402
+from cosim.closed_loop import chosen_presets, planned  # noqa: E402
 from cosim.flight import fly  # noqa: E402
 
 STEPS = (0.001, 0.002, 0.004, 0.008, 0.016)

@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 
 from cosim.algorithms import method
-from cosim.cli import CONTROLLERS, fmu_path
+from cosim.closed_loop import CONTROLLERS, fmu_path
 from cosim.errors import RunError
 from cosim.flight import fly_loaded, tick_count
 from cosim.fmu import FmuFile

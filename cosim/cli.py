@@ -2,20 +2,16 @@
 import json
 import sys
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
+from .closed_loop import CONTROLLERS, assignments, choice, chosen_presets, fmu_path, planned
 from .errors import RunError, UsageError
-from .system import Component, System, Value, closed_loop
+from .show import report, report_rows, short
 
 app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False,
                   help="An air-breathing hypersonic vehicle and its controllers as FMUs, and a master that flies them.")
-
-DIST = Path(__file__).parent.parent / "fmus" / "dist"
-CONTROLLERS = {"neural": "AhvController", "backstepping": "AhvBackstepping"}
-PLANTS = {"ideal": "AhvPlant", "instrumented": "AhvInstrumentedPlant"}
-FLAVOURS = ("python", "native")
 
 Json = Annotated[bool, typer.Option("--json", help="One JSON object on stdout.")]
 Algorithm = Annotated[str, typer.Option(metavar="NAME[,OPTION=VALUE]...", help="gauss-seidel, jacobi, multi-rate, "
@@ -36,59 +32,6 @@ def main() -> None:
 def complain(error: object, status: int) -> int:
     print(f"ahv: {error}", file=sys.stderr)
     return status
-
-
-def choice(option: str, value: str, allowed: Any) -> str:
-    if value not in allowed:
-        raise UsageError(f"--{option} {value} is not known; there are {', '.join(allowed)}.")
-    return value
-
-
-def fmu_path(flavour: str, model: str) -> Path:
-    return DIST / choice("flavour", flavour, FLAVOURS) / f"{model}.fmu"
-
-
-def assignments(words: list[str]) -> dict[str, dict[str, Value]]:
-    """--set words as component -> variable -> value."""
-    result: dict[str, dict[str, Value]] = {}
-    for word in words:
-        target, equals, value = word.partition("=")
-        component, dot, variable = target.partition(".")
-        if not (equals and dot and variable):
-            raise UsageError(f"--set {word} is not of the form COMPONENT.VARIABLE=VALUE.")
-        result.setdefault(component, {})[variable] = value
-    return result
-
-
-def assemble(fmus: dict[str, Path], presets: dict[str, str], values: dict[str, dict[str, Value]]) -> System:
-    """The closed loop with presets, then values, applied."""
-    from .fmu import FmuFile
-
-    components = {}
-    for name, path in fmus.items():
-        component = Component(name, path)
-        if name in presets:
-            file = FmuFile.open(path)
-            try:
-                component = component.with_values(file.preset(presets[name]))
-            finally:
-                file.close()
-        components[name] = component.with_values(values.get(name, {}))
-    for name in {*presets, *values} - set(components):
-        raise UsageError(f"There is no component {name}; there are {', '.join(components)}.")
-    return closed_loop(components["scenario"], components["controller"], components["plant"])
-
-
-def planned(plan: Any, controller: str, presets: dict[str, str], flavour: str, words: list[str],
-            plant: str = "ideal") -> System:
-    """The closed loop of the scenario `plan`, with --set `words` applied last."""
-    fmus = {"scenario": fmu_path(flavour, "AhvScenario"),
-            "controller": fmu_path(flavour, CONTROLLERS[choice("controller", controller, CONTROLLERS)]),
-            "plant": fmu_path(flavour, PLANTS[choice("plant", plant, PLANTS)])}
-    values = assignments([f"{name}={value}" for name, value in plan.set.items()])
-    for component, given in assignments(words).items():
-        values.setdefault(component, {}).update(given)
-    return assemble(fmus, presets, values)
 
 
 @app.command()
@@ -128,6 +71,7 @@ def run(
     """Fly a scenario and write signals, run.json and figures."""
     from . import scenarios
     from .flight import progress_bar
+    from .isolated import launch
     from .metrics import metrics
     from .results import prepare_folder, write
 
@@ -203,32 +147,6 @@ def compare(
         raise RunError(" ".join(f"{law}: {flight.message}" for law, flight in flights.items() if flight.message))
 
 
-def report_rows(rows: dict[str, dict[str, Any]]) -> None:
-    """A table with a column for each of `rows`."""
-    from rich.console import Console
-    from rich.table import Table
-
-    table = Table("", *rows)
-    flat: dict[str, dict[str, Any]] = {}
-    for law, row in rows.items():
-        for key, value in row.items():
-            for part, number in (value.items() if isinstance(value, dict) else [("", value)]):
-                flat.setdefault(f"{key} {part}".strip(), {})[law] = number
-    for key, found in flat.items():
-        table.add_row(key, *(f"{v:.4g}" if isinstance(v, float) else str(v) for v in map(found.get, rows)))
-    Console().print(table)
-
-
-def launch(system: System, step: float, stop: float, algorithm: str, progress: Any, isolate: bool,
-           time_limit: float | None, **options: Any) -> Any:
-    """`flight.fly`, here or in a process of its own."""
-    if isolate or time_limit is not None:
-        from .isolated import fly_isolated
-        return fly_isolated(system, step, stop, algorithm, progress, time_limit, **options)
-    from .flight import fly
-    return fly(system, step, stop, algorithm, progress, **options)
-
-
 @app.command()
 def linearize(
     V: Annotated[float, typer.Option("--V", help="Velocity, ft/s.")] = 7700.0,
@@ -264,12 +182,6 @@ def linearize(
     report_rows({"open loop": short(found["open_loop"]), "closed loop": short(found["closed_loop"])})
     margins = found["margins"] or {}
     report_rows({key: {place: m[key] for place, m in margins.items()} for key in next(iter(margins.values()), {})})
-
-
-def short(loop: dict[str, Any]) -> dict[str, Any]:
-    """Poles as text, one of each pair."""
-    return {f"pole {i}": f"{p['real']:.3f} +-{p['imag']:.3f}j"
-            for i, p in enumerate(p for p in loop["poles"] if p["imag"] >= 0)}
 
 
 @app.command()
@@ -312,28 +224,6 @@ def simulate(
     report(summary, as_json)
     if message:
         raise RunError(message)
-
-
-def chosen_presets(word: str) -> dict[str, str]:
-    """--preset: a controller preset, or COMPONENT=NAME pairs separated by commas."""
-    pairs = [part.rpartition("=") for part in word.split(",")]
-    presets = {component or "controller": name for component, _, name in pairs}
-    return {"controller": "calibrated", **presets}
-
-
-def report(summary: dict[str, Any], as_json: bool) -> None:
-    if as_json:
-        print(json.dumps(summary))
-        return
-    from rich.console import Console
-    from rich.table import Table
-
-    table = Table(show_header=False)
-    for key, value in summary.items():
-        if isinstance(value, dict):
-            value = ", ".join(f"{k} {v:.4g}" for k, v in value.items() if v is not None)
-        table.add_row(key, f"{value:.4g}" if isinstance(value, float) else str(value))
-    Console().print(table)
 
 
 @app.command()

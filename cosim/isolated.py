@@ -166,3 +166,11 @@ class Parent:
         flight.finished, flight.ticks, flight.wall_s = False, tick, time.perf_counter() - self.begun
         flight.message = f"{who} {how} {call} at t = {start + (tick + late) * step:.6g} s{said}"
         return flight
+
+
+def launch(system: System, step: float, stop: float, algorithm: str, progress: Progress | None, isolate: bool,
+           time_limit: float | None, **options: Any) -> Flight:
+    """`flight.fly`, here or in a process of its own."""
+    if isolate or time_limit is not None:
+        return fly_isolated(system, step, stop, algorithm, progress, time_limit, **options)
+    return fly(system, step, stop, algorithm, progress, **options)

@@ -9,18 +9,18 @@ from typing import Any
 
 from .. import scenarios
 from ..algorithms import method
-from ..cli import FLAVOURS, PLANTS, planned
+from ..closed_loop import FLAVOURS, PLANTS, planned
 from ..errors import UsageError
 from ..flight import tick_count
 from ..master import open_files
 from ..scenarios import Scenario
-from ..system import System
+from ..system import System, Value
 from ..wiring import checked_connections, picked
 from .criteria import METRICS, metrics_of
 from .sampling import Draw, Sampler
 from .source import Source
 from .spec import Campaign, Law
-from .uncertain import Fmus, all_draws, all_mixings, checked, with_constants
+from .uncertain import Fmus, all_draws, all_mixings, checked, constants, with_values
 
 NEEDED = ["plant.h", "plant.V", "plant.h_true", "plant.V_true", "controller.h_reference", "controller.V_reference",
           "controller.elevator", "controller.fuel_ratio", "controller.phi_hat_1", "controller.phi_hat_2"]
@@ -44,9 +44,11 @@ class Job:
 
 @dataclass(frozen=True)
 class Plan:
+    path: Path
     campaign: Campaign
     scenario: Scenario
     stop: float
+    constants: dict[str, Value]           # what dispersions set without drawing it
     draws: dict[str, tuple[Draw, ...]]    # of each law: relative draws multiply its own nominal values
     sampler: Sampler
     job: Job
@@ -57,6 +59,11 @@ class Plan:
     @property
     def laws(self) -> list[str]:
         return list(self.job.systems)
+
+    @property
+    def scenario_word(self) -> str:
+        """As `ahv run` takes it."""
+        return beside(self.path, self.campaign.scenario)
 
     @property
     def worst_by(self) -> str:
@@ -94,7 +101,8 @@ def make(campaign: Campaign, source: Source) -> Plan:
             check_values(source, campaign, law, i, system, files)
             draws[law.name] = all_draws(source, campaign, system, files)
             record[law.name] = recorded(source, campaign, system, files)
-            system = with_constants(source, campaign, system, files)
+            fixed = constants(source, campaign, files)
+            system = with_values(system, fixed)
             stored = {c.name: f"{files[c.name].sha256}/{c.fmu.name}" for c in system.components}
         fmus.update({stored[c.name]: c.fmu for c in system.components})
         systems[law.name] = replace(system, components=tuple(
@@ -110,7 +118,7 @@ def make(campaign: Campaign, source: Source) -> Plan:
     job = Job(hashlib.sha256(json.dumps(fingerprint, sort_keys=True).encode()).hexdigest(), systems, record,
               campaign.step, ticks, campaign.algorithm, campaign.success, campaign.timeout_s,
               campaign.signals.failures, campaign.signals.decimate)
-    return Plan(campaign, scenario, stop, draws, sampler, job, fmus, fingerprint, runs_per_task)
+    return Plan(source.path, campaign, scenario, stop, fixed, draws, sampler, job, fmus, fingerprint, runs_per_task)
 
 
 def beside(path: Path, scenario: str) -> str:

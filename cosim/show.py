@@ -1,0 +1,40 @@
+"""Shows results to people: tables on the terminal, or one JSON object."""
+import json
+from typing import Any
+
+
+def report(summary: dict[str, Any], as_json: bool) -> None:
+    if as_json:
+        print(json.dumps(summary))
+        return
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table(show_header=False)
+    for key, value in summary.items():
+        if isinstance(value, dict):
+            value = ", ".join(f"{k} {v:.4g}" for k, v in value.items() if v is not None)
+        table.add_row(key, f"{value:.4g}" if isinstance(value, float) else str(value))
+    Console().print(table)
+
+
+def report_rows(rows: dict[str, dict[str, Any]]) -> None:
+    """A table with a column for each of `rows`."""
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table("", *rows)
+    flat: dict[str, dict[str, Any]] = {}
+    for law, row in rows.items():
+        for key, value in row.items():
+            for part, number in (value.items() if isinstance(value, dict) else [("", value)]):
+                flat.setdefault(f"{key} {part}".strip(), {})[law] = number
+    for key, found in flat.items():
+        table.add_row(key, *(f"{v:.4g}" if isinstance(v, float) else str(v) for v in map(found.get, rows)))
+    Console().print(table)
+
+
+def short(loop: dict[str, Any]) -> dict[str, Any]:
+    """Poles as text, one of each pair."""
+    return {f"pole {i}": f"{p['real']:.3f} +-{p['imag']:.3f}j"
+            for i, p in enumerate(p for p in loop["poles"] if p["imag"] >= 0)}
