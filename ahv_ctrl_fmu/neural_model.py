@@ -36,11 +36,13 @@ CALIBRATED = {
     "net2_gamma_width": 0.0156, "net2_theta_width": 0.039, "net2_Q_width": 0.0781,
     "net2_delta0_max": 0.0524, "net2_delta0_width": 0.0235,
 }
-# For a structure that pushes back: slower, behind a structural filter.
+# For a structure that pushes back, either way: slower, behind a structural filter. From a starting point by
+# benchmarks/tune.py --flights coupled (700 evaluations, both cases on four structures).
 COUPLED = {
     **STEADY,
-    "kV": 0.9, "kV1": 0.2, "kV2": 0.8, "k_gamma": 0.383, "kh": 0.157, "kh1": 3.26, "mu": 1.28,
-    "c_theta": -6.93e-4, "c_Q": 0.01265, "pitch_rate_gain": 0.136, "R": 57.9, "R_d": 7.88, "elevator_bandwidth": 4.79,
+    "kV1": 0.2985, "kV2": 1.661, "k_gamma": 0.1514, "kh": 0.1749, "kh1": 1.93, "mu": 2.31, "c_theta": 0.0008181,
+    "c_Q": 0.02727, "pitch_rate_gain": 0.1362, "R": 144.8, "R_d": 17.06, "a2": 2.713, "a3": 3.464, "a4": 1.784,
+    "kV": 1.358, "elevator_bandwidth": 2.479,
 }
 PRESETS = {"calibrated": CALIBRATED, "steady": STEADY, "coupled": COUPLED, "printed": PRINTED}
 
