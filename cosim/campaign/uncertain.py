@@ -86,8 +86,8 @@ def ends(one: Draw) -> list[Value]:
     raise UsageError("a period must be above 0.")
 
 
-def with_constants(source: Source, campaign: Campaign, system: System, files: Fmus) -> System:
-    """The system with those numbers of sinusoids that are not drawn."""
+def constants(source: Source, campaign: Campaign, files: Fmus) -> dict[str, Value]:
+    """Those numbers of sinusoids that are not drawn."""
     fixed: dict[str, Value] = {}
     for name, dispersion in campaign.dispersions.items():
         for key, suffix in SINE.items() if isinstance(dispersion, Sinusoid) else ():
@@ -96,7 +96,7 @@ def with_constants(source: Source, campaign: Campaign, system: System, files: Fm
                 with source.at("dispersions", name, key):
                     value = 2 * math.pi / number if key == "period" else number
                     fixed[name + suffix] = checked(files, name + suffix, value)
-    return with_values(system, fixed)
+    return fixed
 
 
 def with_values(system: System, values: Mapping[str, Value]) -> System:

@@ -1,0 +1,139 @@
+"""The client: tasks to a Dask cluster, outcomes to the store, a bounded number on their way at a time."""
+import logging
+import os
+import tempfile
+import uuid
+from collections import deque
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import dask
+from distributed import Client, Future, KilledWorker, LocalCluster, as_completed
+
+from ..errors import RunError
+from .plan import Plan
+from .sampling import draw, picked
+from .store import Row, Store
+from .worker import Outcome, Request, SendFmu, fly_batch, plugin_name
+
+AHEAD = 4            # tasks on their way for each thread of the cluster
+ENVELOPE_RUNS = 2000  # the first runs, whose errors over time are kept
+WAIT_S = 60.0        # for a first worker
+CONTINUE = "what was flown until then is kept, and --resume continues"
+Progress = Callable[[int, int], None]  # rows, successes that were added
+
+
+@contextmanager
+def connected(scheduler: str | None, workers: int | None) -> Iterator[Client]:
+    """A client of the cluster at `scheduler`, or of one on this machine that goes with it.
+
+    Raises RunError if there is no cluster, or nobody in it to work.
+    """
+    for name in ("distributed", "distributed.client", "distributed.worker", "distributed.nanny", "bokeh", "tornado"):
+        logging.getLogger(name).setLevel(logging.CRITICAL)  # what matters is said by this program
+    if scheduler is None:
+        with (dask.config.set({"distributed.scheduler.allowed-failures": 1}),
+              tempfile.TemporaryDirectory(prefix="ahv_campaign_") as folder,
+              LocalCluster(n_workers=workers or os.cpu_count() or 1, threads_per_worker=1, local_directory=folder,
+                           dashboard_address="127.0.0.1:0", silence_logs=logging.CRITICAL) as cluster,
+              Client(cluster) as client):
+            yield client
+        return
+    try:
+        client = Client(scheduler, timeout=WAIT_S / 4)
+    except (OSError, ValueError, TimeoutError) as error:
+        raise RunError(f"There is no Dask scheduler at {scheduler}: {error}") from None
+    with client:
+        try:
+            client.wait_for_workers(1, timeout=WAIT_S)
+        except TimeoutError:
+            raise RunError(f"The scheduler at {scheduler} has no workers.") from None
+        yield client
+
+
+def send_fmus(client: Client, plan: Plan) -> None:
+    """Each FMU file to every worker of now and later, unless the cluster has it from before."""
+    known = client.run_on_scheduler(lambda dask_scheduler: list(dask_scheduler.worker_plugins))
+    for stored, path in plan.fmus.items():
+        if plugin_name(stored) not in known:
+            client.register_plugin(SendFmu(stored, path.read_bytes()))
+
+
+def requests(plan: Plan, first: int, last: int) -> Iterator[tuple[Request, dict[str, Any]]]:
+    """The runs of a task, with their draws by name."""
+    for k in range(first, last):
+        u = plan.sampler.uniforms(k)
+        keep = picked(plan.campaign.seed, k, plan.campaign.signals.share)
+        for law in plan.laws:
+            drawn = draw(plan.draws[law], u)
+            values = {target: drawn[d.name] for d in plan.draws[law] for target in d.targets}
+            yield Request(k, law, values, keep, k < ENVELOPE_RUNS), drawn
+
+
+class Batch:
+    """A task on its way; if its worker dies again and again it is flown run by run."""
+
+    def __init__(self, plan: Plan, first: int, last: int):
+        self.first = first
+        self.asked = list(requests(plan, first, last))
+        self.outcomes: dict[int, Outcome] = {}
+
+    @property
+    def rows(self) -> list[Row]:
+        return [(*asked, self.outcomes[i]) for i, asked in enumerate(self.asked)]
+
+
+class Engine:
+    """One campaign on one cluster."""
+
+    def __init__(self, client: Client, plan: Plan, store: Store, progress: Progress):
+        self.client, self.plan, self.store, self.progress = client, plan, store, progress
+        self.flying: dict[Future, tuple[Batch, list[int]]] = {}
+        self.queue = as_completed()
+        self.suspects: deque[tuple[Batch, int]] = deque()
+
+    def run(self) -> None:
+        """All runs that the store does not have yet.
+
+        Raises RunError if the cluster is lost, or cannot fly at all.
+        """
+        missing = (b for b in self.plan.batches() if not self.store.has(b[0]))
+        while True:
+            while len(self.flying) < AHEAD * max(1, sum(self.client.nthreads().values())):
+                if (span := next(missing, None)) is None:
+                    break
+                batch = Batch(self.plan, *span)
+                self.submit(batch, list(range(len(batch.asked))))
+            if not self.flying:
+                if not self.suspects:
+                    return
+                batch, position = self.suspects.popleft()  # alone, so that nobody else can be the reason
+                self.submit(batch, [position], alone=True)
+            self.take(next(self.queue))
+
+    def submit(self, batch: Batch, positions: list[int], alone: bool = False) -> None:
+        future = self.client.submit(fly_batch, self.plan.job, [batch.asked[i][0] for i in positions], pure=False,
+                                    key=f"ahv-{batch.first}-{uuid.uuid4().hex}{'-alone' if alone else ''}")
+        self.flying[future] = batch, positions
+        self.queue.add(future)
+
+    def take(self, future: Future) -> None:
+        batch, positions = self.flying.pop(future)
+        if future.status == "finished":
+            batch.outcomes.update(zip(positions, future.result()))
+        elif future.status != "error":
+            raise RunError(f"The Dask scheduler is gone; {CONTINUE}.")
+        elif not isinstance(error := future.exception(), KilledWorker):
+            raise RunError(f"The cluster cannot fly this campaign: {type(error).__name__}: {error}")
+        elif str(future.key).endswith("-alone"):
+            batch.outcomes[positions[0]] = Outcome("crashed", "Each worker that flew this run died of it: an FMU "
+                                                   f"crashed, or hung beyond timeout_s = {self.plan.job.timeout_s:g}.")
+        elif len(positions) == 1:
+            self.suspects.append((batch, positions[0]))
+        else:
+            for position in positions:
+                self.submit(batch, [position])
+        if len(batch.outcomes) == len(batch.asked):
+            self.store.add(batch.first, batch.rows)
+            self.progress(len(batch.asked), sum(o.succeeded for o in batch.outcomes.values()))

@@ -1,0 +1,210 @@
+"""What happens on a Dask worker: FMU files kept by content hash, systems kept loaded, batches of runs flown."""
+import faulthandler
+import hashlib
+import os
+import tempfile
+import threading
+import time
+from contextlib import ExitStack
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from distributed.diagnostics.plugin import WorkerPlugin
+
+from .. import fmu
+from ..algorithms import method
+from ..errors import RunError, UsageError
+from ..flight import Flight, fly_loaded
+from ..master import Master, open_files
+from ..metrics import metrics, truth
+from ..system import System, Value
+from .criteria import METRICS, holds
+from .plan import Job
+from .uncertain import with_values
+
+ENVELOPE_POINTS = 100
+PATIENCE_S = 5.0  # a call that outlasts the timeout by this ends the worker
+
+
+@dataclass(frozen=True)
+class Request:
+    """One run to fly."""
+    run: int
+    law: str
+    values: dict[str, Value]
+    keep: bool      # its signals, whatever it shows
+    envelope: bool  # its errors over time
+
+
+@dataclass
+class Outcome:
+    """What a run showed: a row's numbers, errors over time at ENVELOPE_POINTS + 1 times, and signals where wanted."""
+    status: str  # finished, departed (an FMU ended it), timed-out, error (did not start), crashed (with its worker)
+    message: str = ""
+    ticks: int = 0
+    departed_at_s: float | None = None
+    metrics: dict[str, float] = field(default_factory=dict)
+    success: dict[str, bool] = field(default_factory=dict)
+    errors: dict[str, np.ndarray] | None = None
+    signals: dict[str, np.ndarray] | None = None
+
+    @property
+    def succeeded(self) -> bool:
+        return self.status == "finished" and all(self.success.values())
+
+
+class SendFmu(WorkerPlugin):
+    """Dask hands this to every worker once, also to those that come later."""
+
+    def __init__(self, stored: str, content: bytes):
+        self.stored, self.content = stored, content
+        self.name = plugin_name(stored)
+
+    def setup(self, worker: Any) -> None:
+        keep(work_folder(worker), self.stored, self.content)
+
+
+def plugin_name(stored: str) -> str:
+    return f"ahv-fmu-{stored}"
+
+
+def work_folder(worker: Any) -> Path:
+    return Path(worker.local_directory) / "ahv_fmus"
+
+
+def keep(folder: Path, stored: str, content: bytes) -> None:
+    """`content` as SHA256/NAME.fmu below `folder`. Raises RunError if that is not its hash."""
+    if hashlib.sha256(content).hexdigest() != stored.partition("/")[0]:
+        raise RunError(f"{stored} arrived with another content.")
+    path = folder / stored
+    if not path.is_file():
+        path.parent.mkdir(parents=True, exist_ok=True)
+        half = path.with_suffix(f".{os.getpid()}")
+        half.write_bytes(content)
+        half.replace(path)
+
+
+class OutOfTime(RunError):
+    pass
+
+
+class Hangar:
+    """The systems of one job, loaded when first flown and then reset."""
+
+    def __init__(self, job: Job, folder: Path):
+        self.job, self.folder = job, folder
+        self.masters: dict[str, tuple[Master, ExitStack]] = {}
+
+    def system(self, law: str, values: dict[str, Value]) -> System:
+        system = with_values(self.job.systems[law], values)
+        return replace(system, components=tuple(replace(c, fmu=self.folder / c.fmu) for c in system.components))
+
+    def ready(self, law: str, values: dict[str, Value]) -> Master:
+        """A master about to initialise with these values."""
+        system = self.system(law, values)
+        if law in self.masters:
+            master = self.masters[law][0]
+            for instance in master.instances:  # what FMUs say is kept by their name, which laws share
+                fmu.MESSAGES[instance.name] = instance.messages
+            try:
+                master.reset(system)
+                return master
+            except RunError:
+                self.drop(law)
+        with ExitStack() as stack:
+            tempfile.tempdir = str(self.folder)  # extracted there, too
+            try:
+                files = stack.enter_context(open_files(system))
+            finally:
+                tempfile.tempdir = None
+            master = Master(system, files, self.job.record[law])
+            stack.callback(master.close)
+            self.masters[law] = master, stack.pop_all()
+        return master
+
+    def drop(self, law: str) -> None:
+        if law in self.masters:
+            self.masters.pop(law)[1].close()
+
+    def close(self) -> None:
+        for law in list(self.masters):
+            self.drop(law)
+
+    def fly(self, request: Request) -> Outcome:
+        """Whatever happens is an outcome."""
+        began = time.monotonic()
+        late: list[bool] = []
+
+        def watch(_: float) -> None:
+            if time.monotonic() - began > self.job.timeout_s:
+                late.append(True)
+                raise OutOfTime(f"Took longer than timeout_s = {self.job.timeout_s:g} s.")
+
+        try:
+            master = self.ready(request.law, request.values)
+            flight = fly_loaded(master, method(self.job.algorithm), self.job.step, self.job.ticks, watch)
+        except (RunError, UsageError) as error:
+            return Outcome("error", str(error))
+        except Exception as error:
+            self.drop(request.law)
+            return Outcome("error", f"{type(error).__name__}: {error}")
+        if not all(instance.alive for instance in master.instances):
+            self.drop(request.law)
+        status = "finished" if flight.finished else "timed-out" if late else "departed"
+        return self.outcome(request, flight, status)
+
+    def outcome(self, request: Request, flight: Flight, status: str) -> Outcome:
+        found = flat(metrics(flight))
+        result = Outcome(status, flight.message, flight.ticks, None if flight.finished else float(flight.time[-1]),
+                         found, {name: flight.finished and holds(text, found)
+                                 for name, text in self.job.success.items()})
+        if request.envelope:
+            result.errors = errors_over_time(flight, self.job.ticks)
+        if request.keep or (self.job.keep_failures and not result.succeeded):
+            rows = sorted({*range(0, len(flight.time), self.job.decimate), len(flight.time) - 1})
+            result.signals = {"time": flight.time[rows],
+                              **{c.name: flight.signals[rows, i].copy() for i, c in enumerate(flight.columns)}}
+        return result
+
+
+def flat(nested: dict[str, Any]) -> dict[str, float]:
+    """Metrics by their dotted names; one that a law does not have is missing."""
+    found = {f"{group}.{key}": value for group, values in nested.items() for key, value in values.items()}
+    return {name: float(found[name]) for name in METRICS if found.get(name) is not None}
+
+
+def errors_over_time(flight: Flight, ticks: int) -> dict[str, np.ndarray]:
+    """Errors at fixed shares of the whole time, as far as the flight came."""
+    at = np.unique(np.linspace(0, ticks, ENVELOPE_POINTS + 1).round().astype(int))
+    at = at[at < len(flight.time)]
+    return {"altitude_error_ft": (truth(flight, "h") - flight["controller.h_reference"])[at].astype(np.float32),
+            "velocity_error_fps": (truth(flight, "V") - flight["controller.V_reference"])[at].astype(np.float32)}
+
+
+HANGARS: list[Hangar] = []     # of this process; one at a time
+TURN = threading.Lock()        # FMUs fly one at a time in a process, however many threads Dask gives it
+NOWHERE = open(os.devnull, "w")  # noqa: SIM115
+
+
+def fly_batch(job: Job, requests: list[Request], folder: Path | None = None) -> list[Outcome]:
+    """Fly `requests`, one after the other; `folder` has the FMUs (None: this Dask worker's)."""
+    if folder is None:
+        from distributed import get_worker
+        folder = work_folder(get_worker())
+    with TURN:
+        if not HANGARS or (HANGARS[0].job.key, HANGARS[0].folder) != (job.key, folder):
+            for hangar in HANGARS:
+                hangar.close()
+            HANGARS[:] = [Hangar(job, folder)]
+        return [guarded(HANGARS[0], request) for request in requests]
+
+
+def guarded(hangar: Hangar, request: Request) -> Outcome:
+    """Fly; a call that does not come back ends this process, since nothing else can."""
+    faulthandler.dump_traceback_later(hangar.job.timeout_s + PATIENCE_S, exit=True, file=NOWHERE)
+    try:
+        return hangar.fly(request)
+    finally:
+        faulthandler.cancel_dump_traceback_later()
