@@ -227,6 +227,26 @@ def simulate(
 
 
 @app.command()
+def campaign(
+    file: Annotated[Path, typer.Argument(help="A campaign file, see docs/campaigns.md.")],
+    scheduler: Annotated[str | None, typer.Option(metavar="ADDRESS", help="Of a Dask cluster; else one here.")] = None,
+    workers: Annotated[int | None, typer.Option(help="Processes here; else one for each core.", min=1)] = None,
+    resume: Annotated[bool, typer.Option("--resume", help="Continue what was interrupted.")] = False,
+    out: Annotated[Path | None, typer.Option(help="Folder; else results/NAME.")] = None,
+    as_json: Json = False,
+) -> None:
+    """Fly many uncertain runs on Dask, and report how often they succeed."""
+    from .campaign.command import campaign as fly_campaign
+    from .campaign.command import table
+
+    summary = fly_campaign(file, out, scheduler, resume, workers)
+    if as_json:
+        print(json.dumps(summary))
+    else:
+        report(table(summary), False)
+
+
+@app.command()
 def trim(
     V: Annotated[float, typer.Option("--V", help="Velocity, ft/s.")] = 7700.0,
     h: Annotated[float, typer.Option("--h", help="Altitude, ft.")] = 85000.0,

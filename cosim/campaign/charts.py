@@ -1,0 +1,164 @@
+"""The report's pictures."""
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.compute
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from .criteria import METRICS
+from .statistics import Results, wilson
+
+WIDTH = 9.0
+POINTS = 2000      # of a scatter plot
+MOST_PANELS = 24
+HISTOGRAMS = ("altitude_error_ft.max_abs", "altitude_error_ft.rms", "velocity_error_fps.max_abs", "elevator_deg.travel")
+UNITS = {"altitude_error_ft": "altitude error (ft)", "velocity_error_fps": "velocity error (ft/s)"}
+FAILURE, SUCCESS = "#c0392b", "#2471a3"
+
+
+def figure(height: float, rows: int = 1, columns: int = 1, **options: Any) -> tuple[Figure, np.ndarray]:
+    made = Figure(figsize=(WIDTH, height), layout="constrained")
+    FigureCanvasAgg(made)
+    return made, made.subplots(rows, columns, squeeze=False, **options)
+
+
+def wide(values: np.ndarray) -> bool:
+    """Whether positive values want a logarithmic axis."""
+    values = values[np.isfinite(values)]
+    return bool(len(values) and values.min() > 0 and values.max() > 50 * np.quantile(values, 0.1))
+
+
+def probability(results: list[Results]) -> Figure:
+    made, axes = figure(0.8 + 0.5 * len(results))
+    axis = axes[0, 0]
+    for i, r in enumerate(results):
+        p, (low, high) = r.successes / r.runs, wilson(r.successes, r.runs)
+        axis.barh(i, p, color=f"C{i}", alpha=0.6)
+        axis.errorbar(p, i, xerr=[[max(0.0, p - low)], [max(0.0, high - p)]], color="k", capsize=6)
+    axis.set_yticks(range(len(results)), [r.law for r in results])
+    axis.invert_yaxis()
+    axis.set_xlim(0, 1)
+    axis.set_xlabel("probability of success, 95 % interval")
+    axis.grid(True, axis="x", alpha=0.3)
+    return made
+
+
+def envelopes(results: list[Results], errors: pa.Table, stop: float) -> Figure:
+    """Quantiles over the runs that still fly, at each time; below, how many that are."""
+    made, axes = figure(8.5, len(UNITS) + 1, len(results), sharex=True, sharey="row")
+    for column, r in enumerate(results):
+        mine = errors.filter(pa.compute.equal(errors["controller"], r.law))
+        for row, (name, label) in enumerate(UNITS.items()):
+            axis, lines = axes[row, column], padded(mine[name])
+            time = np.linspace(0, stop, lines.shape[1])
+            if len(lines):
+                levels = np.nanquantile(lines, [0.0, 0.05, 0.5, 0.95, 1.0], axis=0)
+                axis.fill_between(time, levels[0], levels[4], color=f"C{column}", alpha=0.15, label="all")
+                axis.fill_between(time, levels[1], levels[3], color=f"C{column}", alpha=0.35, label="5 to 95 %")
+                axis.plot(time, levels[2], color=f"C{column}", label="median")
+                small = float(np.nanmedian(np.abs(lines))) or 1e-6
+                if np.nanmax(np.abs(lines)) > 50 * small:
+                    axis.set_yscale("symlog", linthresh=10.0**np.ceil(np.log10(5 * small)))
+            axis.set_title(r.law if row == 0 else "")
+            axis.set_ylabel(label if column == 0 else "")
+            axis.grid(True, alpha=0.3)
+        flying = np.isfinite(padded(mine["altitude_error_ft"]))
+        axes[-1, column].plot(np.linspace(0, stop, flying.shape[1]), 100 * flying.mean(axis=0), color=f"C{column}")
+        axes[-1, column].set_ylim(-3, 103)
+        axes[-1, column].set_xlabel("time (s)")
+        axes[-1, column].grid(True, alpha=0.3)
+    axes[0, 0].legend(fontsize="small")
+    axes[-1, 0].set_ylabel("still flying (%)")
+    return made
+
+
+def padded(column: pa.ChunkedArray) -> np.ndarray:
+    """Lists as rows of one length, NaN where a run had ended."""
+    lists = [np.asarray(x, float) for x in column.to_pylist()]
+    lines = np.full((len(lists), max(map(len, lists), default=1)), np.nan)
+    for line, values in zip(lines, lists):
+        line[:len(values)] = values
+    return lines[:, :np.isfinite(lines).any(axis=0).sum() or 1]
+
+
+def histograms(results: list[Results], names: tuple[str, ...] = HISTOGRAMS) -> Figure:
+    made, axes = figure(6.0, 2, 2)
+    for axis, name in zip(axes.flat, names):
+        columns = [r.columns[name][np.isfinite(r.columns[name])] for r in results]
+        together = np.concatenate(columns)
+        log = wide(together)
+        if len(together):
+            low, high = float(together.min()), float(together.max())
+            high = high if high > low else low + 1e-9 + abs(low) * 1e-6
+            bins = np.geomspace(low, high, 50) if log else np.linspace(low, high, 50)
+            for i, (r, values) in enumerate(zip(results, columns)):
+                axis.hist(values, bins, alpha=0.5, label=r.law, color=f"C{i}")
+        if log:
+            axis.set_xscale("log")
+        axis.set_xlabel(f"{name} ({METRICS[name]})")
+        axis.set_ylabel("runs")
+        axis.grid(True, alpha=0.3)
+    axes[0, 0].legend(fontsize="small")
+    return made
+
+
+def drivers(results: list[Results], draws: list[str], metric: str) -> Figure:
+    """Rank correlation of failure with each draw."""
+    found = [r.drivers(draws, metric) for r in results]
+    names = list(found[0])[:MOST_PANELS]
+    made, axes = figure(1.0 + 0.32 * len(names) * max(1, len(results) / 2), 1, 2, sharey=True)
+    for axis, what in zip(axes[0], ("failure", metric)):
+        for i, (r, by_draw) in enumerate(zip(results, found)):
+            at = np.arange(len(names)) + (i - (len(results) - 1) / 2) * 0.8 / len(results)
+            axis.barh(at, [by_draw[n][what] for n in names], 0.8 / len(results), color=f"C{i}", label=r.law)
+        axis.set_xlim(-1, 1)
+        axis.set_xlabel(f"rank correlation with {what}")
+        axis.grid(True, alpha=0.3)
+    axes[0, 0].set_yticks(range(len(names)), names, fontsize="small")
+    axes[0, 0].invert_yaxis()
+    axes[0, 0].legend(fontsize="small")
+    return made
+
+
+def scatter(r: Results, draws: list[str], metric: str) -> Figure:
+    """`metric` against each draw, failures apart."""
+    by_draw = r.drivers(draws, metric)
+    names = list(by_draw)[:MOST_PANELS]
+    rows = -(-len(names) // 3)
+    made, axes = figure(0.4 + 2.3 * rows, rows, 3, sharey=True)
+    chosen = slice(None, POINTS)
+    y, success = r.columns[metric][chosen], r.columns["success"][chosen].astype(bool)
+    for axis, name in zip(axes.flat, names):
+        x = r.columns[name][chosen]
+        axis.plot(x[~success], y[~success], ".", ms=3, alpha=0.5, color=FAILURE, label="failure")
+        axis.plot(x[success], y[success], ".", ms=3, alpha=0.5, color=SUCCESS, label="success")
+        axis.set_xlabel(name, fontsize="small")
+        axis.set_title(f"with failure {by_draw[name]['failure']:+.2f}", fontsize="small")
+        axis.grid(True, alpha=0.3)
+        if wide(y):
+            axis.set_yscale("log")
+    for axis in axes.flat[len(names):]:
+        axis.set_visible(False)
+    axes[0, 0].legend(fontsize="small")
+    for axis in axes[:, 0]:
+        axis.set_ylabel(metric, fontsize="small")
+    return made
+
+
+def every(results: list[Results], errors: pa.Table, draws: list[str], metric: str,
+          stop: float) -> dict[str, Callable[[], Figure]]:
+    """File name -> how to draw it."""
+    made: dict[str, Callable[[], Figure]] = {
+        "probability": lambda: probability(results),
+        "histograms": lambda: histograms(results),
+    }
+    if errors.num_rows:
+        made["envelopes"] = lambda: envelopes(results, errors, stop)
+    if results[0].drivers(draws, metric):
+        made["drivers"] = lambda: drivers(results, draws, metric)
+        for r in results:
+            made[f"scatter_{r.law}"] = lambda r=r: scatter(r, draws, metric)  # type: ignore[misc]
+    return made

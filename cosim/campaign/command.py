@@ -1,0 +1,60 @@
+"""`ahv campaign`: from the file to the report."""
+import time
+from pathlib import Path
+from typing import Any
+
+from ..errors import RunError
+from .plan import load
+from .store import Store
+
+
+def campaign(path: Path, out: Path | None = None, scheduler: str | None = None, resume: bool = False,
+             workers: int | None = None) -> dict[str, Any]:
+    """Fly the campaign in the file at `path` and write its results; a summary as JSON goes.
+
+    Raises UsageError before anything flies if the file cannot be; RunError if the cluster was lost.
+    """
+    began = time.perf_counter()
+    plan = load(path)
+    folder = out or Path("results") / plan.campaign.name
+    store = Store(folder, plan)
+    with store.locked():
+        store.prepare(resume, path.read_text())
+        flown, flying_s = (0, 0.0) if store.complete else fly(plan, store, scheduler, workers)
+        from .report import write  # matplotlib takes its time
+
+        summary = write(store)
+    return {**summary, "runs_flown_now": flown, "flying_s": flying_s, "wall_s": time.perf_counter() - began,
+            "out": str(folder)}
+
+
+def fly(plan: Any, store: Store, scheduler: str | None, workers: int | None) -> tuple[int, float]:
+    """What is missing; (rows that were flown, seconds that took)."""
+    from .engine import CONTINUE, Engine, connected, send_fmus
+    from .progress import shown
+
+    total = plan.campaign.runs * len(plan.laws)
+    rows, successes = store.counts()
+    began = time.perf_counter()
+    try:
+        if rows < total:
+            with connected(scheduler, workers) as client:
+                send_fmus(client, plan)
+                began = time.perf_counter()
+                with shown(plan.campaign.name, total, rows, successes, client.dashboard_link) as progress:
+                    Engine(client, plan, store, progress).run()
+    except KeyboardInterrupt:
+        raise RunError(f"Interrupted; {CONTINUE}.") from None
+    flying = time.perf_counter() - began
+    store.finish()
+    return total - rows, flying
+
+
+def table(summary: dict[str, Any]) -> dict[str, Any]:
+    """The summary's few lines for a terminal."""
+    rows: dict[str, Any] = {"campaign": summary["campaign"]}
+    for law, found in summary["controllers"].items():
+        low, high = found["interval_95"]
+        rows[f"success, {law}"] = (f"{100 * found['probability']:.2f} % ({100 * low:.2f} to {100 * high:.2f}), "
+                                   f"{found['successes']:,} of {found['runs']:,}")
+    return {**rows, "wall_s": summary["wall_s"], "report": summary["report"]}

@@ -1,0 +1,141 @@
+"""The report: report.html with everything inside, figures/*.png and report.json."""
+import base64
+import json
+from collections.abc import Iterable
+from html import escape
+from typing import Any
+
+import pyarrow.parquet as pq
+
+from . import charts
+from .again import command
+from .plan import Plan
+from .statistics import Results, paired
+from .store import Store
+
+STYLE = """
+body { font: 16px/1.5 system-ui, sans-serif; color: #222; max-width: 1000px; margin: 2em auto; padding: 0 1em; }
+h1, h2 { line-height: 1.2; } h2 { margin-top: 2em; border-bottom: 1px solid #ccc; }
+table { border-collapse: collapse; margin: 1em 0; font-variant-numeric: tabular-nums; }
+th, td { padding: .25em .8em; text-align: right; border-bottom: 1px solid #ddd; vertical-align: top; }
+th:first-child, td:first-child { text-align: left; }
+img { width: 100%; height: auto; }
+pre { background: #f4f4f4; padding: .5em; font-size: 12px; white-space: pre-wrap; overflow-wrap: anywhere; margin: 0; }
+.commands td, .commands th { text-align: left; font-size: 14px; }
+.note { color: #555; }
+"""
+EXPLAINED = {
+    "probability": ("Success", "Bars: share of runs that reached the end and met every criterion. Lines: 95 % "
+                    "confidence interval (Wilson)."),
+    "envelopes": ("Errors over time", "Plant minus reference, of the first {envelope} runs of each law at most: at "
+                  "each time over the runs that still fly then, so curves calm down as failures leave."),
+    "histograms": ("How far off", "All runs, failures too, each as far as it flew."),
+    "drivers": ("What drives the failures", "Spearman's rank correlation of failure (0 or 1), and of {metric}, with "
+                "each dispersion. A phase has no order: its bar is the multiple correlation with sine and cosine, "
+                "never negative."),
+    "scatter": ("{metric} against each dispersion, {law}", "The first {points} runs at most; strongest first."),
+}
+
+
+def write(store: Store) -> dict[str, Any]:
+    """Write the report into the store's folder; its numbers."""
+    plan, folder = store.plan, store.folder
+    runs, errors = pq.read_table(store.file("runs")), pq.read_table(store.file("errors"))
+    results = [Results.of(law, runs) for law in plan.laws]
+    draws, metric = [d.name for d in plan.draws[plan.laws[0]]], plan.worst_by
+    pictures = {}
+    (folder / "figures").mkdir(exist_ok=True)
+    for name, draw in charts.every(results, errors, draws, metric, plan.stop).items():
+        path = folder / "figures" / f"{name}.png"
+        draw().savefig(path, dpi=110)
+        pictures[name] = path.read_bytes()
+    summary = {
+        "campaign": plan.campaign.name, "scenario": plan.scenario.name, "runs": plan.campaign.runs,
+        "seed": plan.campaign.seed, "sampling": plan.campaign.sampling, "success": plan.campaign.success,
+        "controllers": {r.law: r.summary(draws, metric) for r in results},
+        "paired": {f"{a.law} and {b.law}": paired(a, b) for i, a in enumerate(results) for b in results[i + 1:]}}
+    (folder / "report.json").write_text(json.dumps(summary, indent=2) + "\n")
+    (folder / "report.html").write_text(page(plan, summary, results, pictures))
+    return {**summary, "report": str(folder / "report.html")}
+
+
+def page(plan: Plan, summary: dict[str, Any], results: list[Results], pictures: dict[str, bytes]) -> str:
+    campaign = plan.campaign
+    names = {"envelope": min(campaign.runs, 2000), "metric": plan.worst_by, "points": charts.POINTS}
+    parts = [f"<h1>Campaign {escape(campaign.name)}</h1>", opening(plan), sides(summary)]
+    for name, png in pictures.items():
+        kind, _, law = name.partition("_")
+        title, note = (text.format(law=law, **names) for text in EXPLAINED[kind])
+        parts.append(f"<h2>{escape(title)}</h2><p class=note>{escape(note)}</p>"
+                     f"<img alt='{escape(title, quote=True)}' src='data:image/png;base64,"
+                     f"{base64.b64encode(png).decode()}'>")
+    parts += [worst(plan, r) for r in results]
+    return ("<!doctype html><html lang=en><head><meta charset=utf-8><meta name=viewport content='width=device-width'>"
+            f"<link rel=icon href='data:,'><title>Campaign {escape(campaign.name)}</title><style>{STYLE}</style></head>"
+            f"<body>{''.join(parts)}</body></html>\n")
+
+
+def opening(plan: Plan) -> str:
+    campaign = plan.campaign
+    success = listed(f"{escape(name)}: <code>{escape(text)}</code>" for name, text in campaign.success.items())
+    rows = [[d.name if d.targets == (d.name,) else f"{d.name} (also {', '.join(d.targets[1:])})",
+             words(d.distribution.model_dump(exclude={"also", "relative"}, exclude_none=True))
+             + (f", times the nominal {d.factor:g}" if d.factor is not None else "")
+             + (", as a period in s" if d.period else "")] for d in plan.draws[plan.laws[0]]]
+    correlated = listed(escape(words(group.model_dump(exclude_none=True))) for group in campaign.correlations)
+    return (f"<p>{campaign.runs:,} runs of {escape(plan.scenario.name)} ({plan.stop:g} s in steps of "
+            f"{campaign.step:g} s) for each law, seed {campaign.seed}, sampling {campaign.sampling}, flavour "
+            f"{escape(campaign.flavour)}, plant {escape(campaign.plant)}.</p>"
+            f"<p>A run is a success if it reaches the end and</p>{success}"
+            f"<details><summary>What is uncertain</summary>{table(['drawn', 'from'], rows)}"
+            f"{f'<p>Correlated:</p>{correlated}' if campaign.correlations else ''}</details>")
+
+
+def listed(items: Iterable[str]) -> str:
+    return f"<ul>{''.join(f'<li>{item}</li>' for item in items)}</ul>"
+
+
+def words(given: dict[str, Any]) -> str:
+    return ", ".join(str(v) if k == "distribution" else f"{k} {v:g}" if isinstance(v, float) else f"{k} {v}"
+                     for k, v in given.items())
+
+
+def table(head: list[str], rows: list[list[Any]], kind: str = "") -> str:
+    """Cells are escaped, unless they are a <pre>."""
+    def cell(x: Any) -> str:
+        text = f"{x:.4g}" if isinstance(x, float) else str(x)
+        return f"<td>{text if text.startswith('<pre>') else escape(text)}</td>"
+    return (f"<table class='{kind}'><tr>{''.join(f'<th>{escape(h)}</th>' for h in head)}</tr>"
+            + "".join(f"<tr>{''.join(map(cell, row))}</tr>" for row in rows) + "</table>")
+
+
+def sides(summary: dict[str, Any]) -> str:
+    """The laws beside each other."""
+    found = summary["controllers"]
+    statuses = sorted({s for law in found.values() for s in law["statuses"]})
+    rows: list[list[Any]] = [
+        ["successes", *(f"{x['successes']:,} of {x['runs']:,}" for x in found.values())],
+        ["probability of success", *(f"{100 * x['probability']:.2f} %" for x in found.values())],
+        ["95 % interval", *("{:.2f} to {:.2f} %".format(*(100 * p for p in x["interval_95"])) for x in found.values())],
+        *([status, *(f"{x['statuses'].get(status, 0):,}" for x in found.values())] for status in statuses)]
+    for name in charts.HISTOGRAMS:
+        for key in ("median", "p95"):
+            rows.append([f"{name}, {key}", *(x["metrics"].get(name, {}).get(key, "") for x in found.values())])
+    pairs = "".join(f"<p>{escape(both)} on the same draws: {escape(words_of(counts))}.</p>"
+                    for both, counts in summary["paired"].items())
+    return "<h2>The laws side by side</h2>" + table(["", *found], rows) + pairs
+
+
+def words_of(counts: dict[str, int]) -> str:
+    return ", ".join(f"{name} {count:,}" for name, count in counts.items())
+
+
+def worst(plan: Plan, r: Results) -> str:
+    rows = []
+    for row in r.worst(plan.worst_by):
+        said = f"{row['status']}: {row['message']}" if row["message"] else row["status"]
+        rows.append([str(row["run"]), said, "" if row[plan.worst_by] is None else float(row[plan.worst_by]),
+                     f"<pre>{escape(command(plan, row))}</pre>"])
+    return (f"<h2>The worst ten, {escape(r.law)}</h2><p class=note>What did not reach the end, the earliest first; "
+            f"then by {escape(plan.worst_by)}. Each command flies that very run again.</p>"
+            + table(["run", "ended", plan.worst_by, "again"], rows, "commands"))
