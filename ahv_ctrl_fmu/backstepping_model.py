@@ -5,11 +5,12 @@ from .interface import PARAMETERS, PORTS, SMALL
 NAME = "AhvBackstepping"
 DESCRIPTION = "Backstepping controller with tracking differentiators and disturbance observers, a reconstruction"
 
-# Tuned by benchmarks/tune.py for both cases and four flights with groups that scale against each other.
+# Tuned by benchmarks/tune.py (2000 and 600 evaluations): both cases, four flights with groups that scale against each
+# other, two with constant scales.
 CALIBRATED = {
-    "kV1": 0.6991, "kV2": 6.239, "observer_V": 0.4671, "k_gamma": 3.057, "k_path": 0.5119,
-    "k_theta": 0.39, "k_Q": 4.958, "observer_gamma": 0.7879, "observer_Q": 1.404,
-    "R_gamma": 0.2726, "R_theta": 9.151, "R_Q": 97.58,
+    "kV1": 0.6587, "kV2": 6.269, "observer_V": 0.4977, "k_gamma": 2.986, "k_path": 0.5023,
+    "k_theta": 0.4727, "k_Q": 7.226, "observer_gamma": 0.7533, "observer_Q": 0.689,
+    "R_gamma": 0.2878, "R_theta": 8.657, "R_Q": 97.96,
 }
 PRESETS = {"calibrated": CALIBRATED}
 

@@ -2,7 +2,7 @@
 
     .venv/bin/python benchmarks/tune.py neural       --start steady
     .venv/bin/python benchmarks/tune.py backstepping --start stable
-    .venv/bin/python benchmarks/tune.py neural       --start FILE.json --sigma 0.15 --seed 2     (what the first printed)
+    .venv/bin/python benchmarks/tune.py neural       --start FILE.json --sigma 0.15 --seed 2   # what it printed
 
 Flies the native FMU files through `cosim` and prints the best gains found, as JSON. CMA-ES (Hansen) on
 the logarithms of the gains; a gain that may have either sign is taken as it is, in units of SIGNED.
@@ -109,7 +109,8 @@ class Bench:
 
     def system(self, flight: Flown, gains: dict[str, float]) -> Any:
         values = {"scenario": {**self.presets[flight.preset], **flight.values},
-                  "controller": {**self.base, **FAST["controller"], **gains}, "plant": {**FAST["plant"], **flight.plant}}
+                  "controller": {**self.base, **FAST["controller"], **gains},
+                  "plant": {**FAST["plant"], **flight.plant}}
         return closed_loop(*(Component(name, self.paths[name], values[name])
                              for name in ("scenario", "controller", "plant")))
 
@@ -177,14 +178,15 @@ def tune(law: str, start: str, flights: str, evaluations: int, sigma: float, see
     except KeyboardInterrupt:
         pass  # the best until then
     best = {n: float(f"{v:.4g}") for n, v in decoded(search.best.x, names).items()}
-    return {"law": law, "start": start, "flights": flights, "evaluations": search.countevals, "seed": seed, "sigma": sigma,
-            "cost_of_start": first, "cost": bench.cost(best), "gains": best}
+    return {"law": law, "start": start, "flights": flights, "evaluations": search.countevals, "seed": seed,
+            "sigma": sigma, "cost_of_start": first, "cost": bench.cost(best), "gains": best}
 
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("law", choices=list(FREE))
-    parser.add_argument("--start", default="calibrated", help="a preset of the law, stable (backstepping), or what this script printed")
+    parser.add_argument("--start", default="calibrated",
+                        help="a preset of the law, stable (backstepping), or a file with what this script printed")
     parser.add_argument("--flights", choices=list(SETS), default="decoupled", help="coupled: neural only")
     parser.add_argument("--evaluations", type=int, default=1000)
     parser.add_argument("--sigma", type=float, default=0.3)

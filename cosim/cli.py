@@ -107,7 +107,6 @@ def run(
 @app.command()
 def compare(
     scenario: Annotated[str, typer.Argument(help="case1, case2, hold, or a YAML file.")],
-    preset: Annotated[str, typer.Option(help="LAW=NAME,... for others than calibrated.")] = "",
     flavour: Annotated[str, typer.Option(help="python or native.")] = "native",
     plant: Annotated[str, typer.Option(help="ideal, or instrumented: actuators and sensors as they are.")] = "ideal",
     step: Annotated[float, typer.Option(help="Communication step, s.")] = 0.01,
@@ -117,22 +116,21 @@ def compare(
 ) -> None:
     """Fly every control law on the same scenario: a table, and figures with a curve for each.
 
-    The backstepping law is a reconstruction of the one that the paper compares with.
+    The backstepping law is a reconstruction of the one that the paper compares with. It and the neural law's preset
+    `robust` were tuned by the same script with the same cost and budget.
     """
     from . import scenarios
+    from .compare import COMPARED, verdict
     from .compare import compare as fly_both
-    from .compare import verdict
     from .compare import write as write_figures
     from .results import prepare_folder
 
     plan = scenarios.load(scenario)
-    presets = dict.fromkeys(CONTROLLERS, "calibrated")
-    for law, name in (pair.split("=", 1) for pair in preset.split(",") if "=" in pair):
-        presets[choice("preset", law, CONTROLLERS)] = name
     folder = out or Path("results") / f"compare_{plan.name}"
     prepare_folder(folder)
-    systems = {law: planned(plan, law, {**plan.presets, "controller": presets[law]}, flavour, [], plant)
-               for law in CONTROLLERS}
+    systems = {name: planned(plan, law, {**plan.presets, "controller": preset}, flavour, [], plant)
+               for name, (law, preset) in COMPARED.items()}
+    presets = {name: preset for name, (_, preset) in COMPARED.items()}
     flights, rows = fly_both(systems, presets, step, plan.stop if stop is None else stop)
     write_figures(folder, flights, plan.name)
     summary = {"scenario": plan.name, "flavour": flavour, "step_s": step, "controllers": rows,

@@ -1,4 +1,4 @@
-"""Two control laws on the same run: a table, and figures with a curve for each."""
+"""Control laws on the same run: a table, and figures with a curve for each."""
 import re
 import time
 import zipfile
@@ -19,6 +19,9 @@ from .fmu import FmuFile
 from .metrics import metrics, truth
 from .system import System
 
+# Column -> law and preset. The rival and `robust` were tuned by the same script, with the same cost and budget.
+COMPARED = {"neural": ("neural", "calibrated"), "neural, robust": ("neural", "robust"),
+            "backstepping": ("backstepping", "calibrated")}
 SHOWN = {"backstepping": "backstepping (a reconstruction)"}  # what the paper compares with could not be had
 SETTLED = 0.02  # of a command's step
 COST_STEPS = 5000
@@ -106,15 +109,15 @@ def compare(systems: dict[str, System], presets: dict[str, str], step: float, st
     return flights, table
 
 
-BETTER = (("largest altitude error", ("altitude_error_ft", "max_abs"), "ft"),
+BETTER = (("maximum altitude error", ("altitude_error_ft", "max_abs"), "ft"),
           ("rms altitude error", ("altitude_error_ft", "rms"), "ft"),
-          ("largest velocity error", ("velocity_error_fps", "max_abs"), "ft/s"),
+          ("maximum velocity error", ("velocity_error_fps", "max_abs"), "ft/s"),
           ("elevator travel", ("elevator_deg", "travel"), "deg"),
           ("cost per step", ("cost_per_step_us",), "us"))
 
 
 def verdict(table: dict[str, dict[str, Any]]) -> str:
-    """One sentence: which law has the smaller figure in what."""
+    """One sentence: which law has the smallest figure in what."""
     departed = [law for law, row in table.items() if not row["finished"]]
     if departed:
         return f"{' and '.join(SHOWN.get(law, law) for law in departed)} departed."
@@ -127,9 +130,10 @@ def verdict(table: dict[str, dict[str, Any]]) -> str:
                 value = value[key]
             found[law] = value
         best = min(found, key=found.__getitem__)
-        others = ", ".join(f"{v:.3g}" for law, v in found.items() if law != best)
+        others = " and ".join(f"{v:.3g}" for law, v in found.items() if law != best)
         won[best].append(f"{name} ({found[best]:.3g} against {others} {unit})")
-    return "; ".join(f"{SHOWN.get(law, law)} has the smaller {', '.join(what)}" for law, what in won.items() if what) + "."
+    sentences = [f"{SHOWN.get(law, law)} has the smallest {', '.join(what)}" for law, what in won.items() if what]
+    return "; ".join(sentences) + "."
 
 
 def draw(flights: dict[str, Flight], title: str, panels: tuple[Panel, ...]) -> Any:
