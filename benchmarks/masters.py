@@ -80,7 +80,7 @@ def ecospy(ssp: Path, step: float, ticks: int) -> dict[str, float]:
     from ecospy import EcosSimulation
 
     with EcosSimulation(ssp_path=str(ssp), step_size=step) as simulation:
-        simulation.init(0)
+        simulation.init(0, ssp.stem)  # the name of all parameter sets
         simulation.step(10)
         begun = time.perf_counter()
         simulation.step(ticks)
