@@ -55,21 +55,23 @@ def available(flight: Flight, panels: tuple[Panel, ...]) -> bool:
 
 
 def draw(flight: Flight, title: str, panels: tuple[Panel, ...]) -> Figure:
-    figure, axes = plt.subplots(len(panels), 1, sharex=True, figsize=(8, 2.2 * len(panels) + 1), squeeze=False)
+    height = 2.2 * len(panels) + 1
+    figure, axes = plt.subplots(len(panels), 1, sharex=True, figsize=(8, height), squeeze=False)
+    # Fixed margins, in inches: finding them from the texts would take as long as all the drawing.
+    figure.subplots_adjust(left=0.12, right=0.98, bottom=0.5 / height, top=1 - 0.4 / height, hspace=0.08)
     for axis, panel in zip(axes[:, 0], panels):
         for label, expression, style in panel.curves:
             y = values(flight, expression)
             axis.plot(flight.time, np.degrees(y) if panel.degrees else y, style, label=label, linewidth=1.2)
         axis.set_ylabel(panel.ylabel)
+        axis.yaxis.set_label_coords(-0.09, 0.5)
         axis.grid(True, alpha=0.3)
         axis.ticklabel_format(axis="y", useOffset=False)
         if len(panel.curves) > 1:
             axis.legend(loc="best", fontsize="small")
     axes[-1, 0].set_xlabel("time (s)")
     axes[-1, 0].set_xlim(flight.time[0], max(flight.time[-1], 1e-9))
-    figure.suptitle(title)
-    figure.align_ylabels()
-    figure.tight_layout()
+    axes[0, 0].set_title(title)
     return figure
 
 
