@@ -5,6 +5,7 @@ import tempfile
 import uuid
 from collections import deque
 from collections.abc import Callable, Iterator
+from concurrent.futures import CancelledError
 from contextlib import contextmanager
 from typing import Any
 
@@ -21,6 +22,7 @@ AHEAD = 4            # tasks on their way for each thread of the cluster
 ENVELOPE_RUNS = 2000  # the first runs, whose errors over time are kept
 WAIT_S = 60.0        # for a first worker
 CONTINUE = "what was flown until then is kept, and --resume continues"
+GONE = f"The Dask scheduler is gone; {CONTINUE}."
 Progress = Callable[[int, int], None]  # rows, successes that were added
 
 
@@ -30,8 +32,7 @@ def connected(scheduler: str | None, workers: int | None) -> Iterator[Client]:
 
     Raises RunError if there is no cluster, or nobody in it to work.
     """
-    for name in ("distributed", "distributed.client", "distributed.worker", "distributed.nanny", "bokeh", "tornado"):
-        logging.getLogger(name).setLevel(logging.CRITICAL)  # what matters is said by this program
+    logging.disable(logging.CRITICAL)  # what matters is said by this program
     if scheduler is None:
         with (dask.config.set({"distributed.scheduler.allowed-failures": 1}),
               tempfile.TemporaryDirectory(prefix="ahv_campaign_") as folder,
@@ -71,6 +72,15 @@ def requests(plan: Plan, first: int, last: int) -> Iterator[tuple[Request, dict[
             yield Request(k, law, values, keep, k < ENVELOPE_RUNS), drawn
 
 
+@contextmanager
+def asking() -> Iterator[None]:
+    """Something of the cluster, which may be lost."""
+    try:
+        yield
+    except (OSError, CancelledError, TimeoutError) as error:
+        raise RunError(GONE) from error
+
+
 class Batch:
     """A task on its way; if its worker dies again and again it is flown run by run."""
 
@@ -100,7 +110,9 @@ class Engine:
         """
         missing = (b for b in self.plan.batches() if not self.store.has(b[0]))
         while True:
-            while len(self.flying) < AHEAD * max(1, sum(self.client.nthreads().values())):
+            with asking():
+                most = AHEAD * max(1, sum(self.client.nthreads().values()))
+            while len(self.flying) < most:
                 if (span := next(missing, None)) is None:
                     break
                 batch = Batch(self.plan, *span)
@@ -110,7 +122,9 @@ class Engine:
                     return
                 batch, position = self.suspects.popleft()  # alone, so that nobody else can be the reason
                 self.submit(batch, [position], alone=True)
-            self.take(next(self.queue))
+            with asking():
+                future = next(self.queue)
+            self.take(future)
 
     def submit(self, batch: Batch, positions: list[int], alone: bool = False) -> None:
         future = self.client.submit(fly_batch, self.plan.job, [batch.asked[i][0] for i in positions], pure=False,
@@ -121,9 +135,10 @@ class Engine:
     def take(self, future: Future) -> None:
         batch, positions = self.flying.pop(future)
         if future.status == "finished":
-            batch.outcomes.update(zip(positions, future.result()))
+            with asking():
+                batch.outcomes.update(zip(positions, future.result()))
         elif future.status != "error":
-            raise RunError(f"The Dask scheduler is gone; {CONTINUE}.")
+            raise RunError(GONE)
         elif not isinstance(error := future.exception(), KilledWorker):
             raise RunError(f"The cluster cannot fly this campaign: {type(error).__name__}: {error}")
         elif str(future.key).endswith("-alone"):
