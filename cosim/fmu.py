@@ -25,6 +25,7 @@ from fmpy.logging import addLoggerProxy
 from fmpy.model_description import ModelDescription, ScalarVariable
 
 from . import watch
+from .archive import BadArchive, safe_extract
 from .errors import RunError, UsageError
 from .system import Value
 
@@ -83,8 +84,11 @@ class FmuFile:
             raise UsageError(f"There is no FMU at {path}; `ahv build` writes the FMUs of this project.")
         folder = Path(tempfile.mkdtemp(prefix="ahv_"))
         try:
-            fmpy.extract(str(path), str(folder))
+            safe_extract(path, folder)
             description = fmpy.read_model_description(str(folder), validate=False)
+        except BadArchive as error:
+            shutil.rmtree(folder, ignore_errors=True)
+            raise UsageError(f"{path} cannot be opened: {error}.") from None
         except Exception as error:  # fmpy raises whatever it meets
             shutil.rmtree(folder, ignore_errors=True)
             raise UsageError(f"{path} cannot be read as an FMU: {error}") from error
@@ -127,7 +131,8 @@ class FmuFile:
         """`value` in the type of the variable `name`; UsageError if it may not be set to that."""
         v = self.variable(name)
         full = f"{component}.{name}"
-        if v.causality not in ("parameter", "input") or v.variability == "constant":
+        settable = v.causality in ("parameter", "input") or v.initial in ("exact", "approx")  # FMI 2.0 section 2.2.7
+        if v.variability == "constant" or not settable:
             raise UsageError(f"{full} is an {v.causality} and cannot be set.")
         if v.type == "String":
             return str(value)

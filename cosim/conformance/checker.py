@@ -5,6 +5,7 @@ from __future__ import annotations
 import tempfile
 from pathlib import Path
 
+from cosim.archive import BadArchive, safe_extract
 from cosim.conformance import (  # noqa: F401  (the rules_* modules register their rules)
     dynamic,
     rules_archive,
@@ -14,7 +15,6 @@ from cosim.conformance import (  # noqa: F401  (the rules_* modules register the
     rules_units,
     rules_variables,
 )
-from cosim.conformance.archive import BadArchive, safe_extract
 from cosim.conformance.context import Fmu, Unusable, read
 from cosim.conformance.report import Finding, Report
 from cosim.conformance.rules import STATIC_CHECKS, Fault

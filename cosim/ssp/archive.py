@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from ..conformance.archive import BadArchive, safe_extract
+from ..archive import BadArchive, safe_extract
 from ..errors import UsageError
 
 

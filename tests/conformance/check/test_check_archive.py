@@ -13,7 +13,7 @@ from check_fixture import library, write
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from cosim.conformance.archive import BadArchive, safe_extract
+from cosim.archive import BadArchive, safe_extract
 from cosim.conformance.binary import BadBinary, read_library
 
 

@@ -1,4 +1,4 @@
-"""Opening an FMU that comes from a stranger: nothing is written outside the given folder, and no size is believed.
+"""Opening an archive that comes from a stranger: nothing is written outside the given folder, no size is believed.
 
     extract_to = Path(tempfile.mkdtemp())
     safe_extract(Path("some.fmu"), extract_to)      # raises BadArchive with one sentence
