@@ -35,17 +35,13 @@ def assignments(words: list[str]) -> dict[str, dict[str, Value]]:
 
 def assemble(fmus: dict[str, Path], presets: dict[str, str], values: dict[str, dict[str, Value]]) -> System:
     """The closed loop with presets, then values, applied."""
-    from .fmu import FmuFile
+    from .fmu import preset  # fmpy takes its time
 
     components = {}
     for name, path in fmus.items():
         component = Component(name, path)
         if name in presets:
-            file = FmuFile.open(path)
-            try:
-                component = component.with_values(file.preset(presets[name]))
-            finally:
-                file.close()
+            component = component.with_values(preset(path, presets[name]))
         components[name] = component.with_values(values.get(name, {}))
     for name in {*presets, *values} - set(components):
         raise UsageError(f"There is no component {name}; there are {', '.join(components)}.")

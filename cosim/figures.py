@@ -86,7 +86,7 @@ def write(out: Path, flight: Flight, name: str, first_figure: int) -> list[Path]
         ending = "" if flight.finished else f" (ended at {flight.time[-1]:.2f} s)"
         figure = draw(flight, f"{name}: {title}{ending}", panels)
         path = folder / f"figure_{number:02d}_{key}.png"
-        figure.savefig(path, dpi=120)
+        figure.savefig(path, dpi=120, pil_kwargs={"compress_level": 1})
         plt.close(figure)
         written.append(path)
     return written

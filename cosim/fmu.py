@@ -5,10 +5,11 @@ import math
 import shutil
 import tempfile
 import xml.etree.ElementTree as ET
+import zipfile
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from difflib import get_close_matches
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import Any
 
 import fmpy
@@ -62,6 +63,34 @@ def make_callbacks() -> fmi2CallbackFunctions:
 CALLBACKS = make_callbacks()
 
 
+def existing(path: Path) -> Path:
+    if not path.is_file():
+        raise UsageError(f"There is no FMU at {path}; `ahv build` writes the FMUs of this project.")
+    return path
+
+
+def preset(path: Path, name: str) -> dict[str, Value]:
+    """The values of the preset `name`, an SSP parameter set that the FMU at `path` carries in its resources.
+
+    Raises UsageError if there is no such FMU or no such preset.
+    """
+    try:
+        with zipfile.ZipFile(existing(path)) as archive:
+            members = {PurePosixPath(m).stem: m for m in sorted(archive.namelist())
+                       if m.startswith("resources/presets/") and m.endswith(".ssv")}
+            if name not in members:
+                raise UsageError(f"{path.name} has no preset {name}; it has {', '.join(members) or 'none'}.")
+            root = ET.fromstring(archive.read(members[name]))
+    except (zipfile.BadZipFile, ET.ParseError) as error:
+        raise UsageError(f"{path} cannot be read as an FMU: {error}") from None
+    values: dict[str, Value] = {}
+    for parameter in root.iter(f"{SSV}Parameter"):
+        element = parameter[0]
+        text = element.get("value", "")
+        values[parameter.get("name", "")] = text == "true" if element.tag == f"{SSV}Boolean" else float(text)
+    return values
+
+
 @dataclass
 class FmuFile:
     """An extracted FMU. Use as a context manager: the extraction folder goes with it."""
@@ -80,8 +109,7 @@ class FmuFile:
 
         Raises UsageError if it is missing or no FMI 2.0 co-simulation FMU.
         """
-        if not path.is_file():
-            raise UsageError(f"There is no FMU at {path}; `ahv build` writes the FMUs of this project.")
+        existing(path)
         folder = Path(tempfile.mkdtemp(prefix="ahv_"))
         try:
             safe_extract(path, folder)
@@ -112,20 +140,8 @@ class FmuFile:
     def names(self, causality: str) -> list[str]:
         return [v.name for v in self.description.modelVariables if v.causality == causality]
 
-    def presets(self) -> dict[str, Path]:
-        return {path.stem: path for path in sorted((self.folder / "resources" / "presets").glob("*.ssv"))}
-
     def preset(self, name: str) -> dict[str, Value]:
-        """The values of the preset `name`, an SSP parameter set that the FMU carries in its resources."""
-        presets = self.presets()
-        if name not in presets:
-            raise UsageError(f"{self.path.name} has no preset {name}; it has {', '.join(presets) or 'none'}.")
-        values: dict[str, Value] = {}
-        for parameter in ET.parse(presets[name]).iter(f"{SSV}Parameter"):
-            element = parameter[0]
-            text = element.get("value", "")
-            values[parameter.get("name", "")] = text == "true" if element.tag == f"{SSV}Boolean" else float(text)
-        return values
+        return preset(self.path, name)
 
     def checked(self, name: str, value: Value, component: str) -> Value:
         """`value` in the type of the variable `name`; UsageError if it may not be set to that."""
