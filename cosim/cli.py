@@ -1,5 +1,6 @@
 """The command line `ahv`: words and JSON keys are a contract, see the README."""
 import json
+import re
 import sys
 from pathlib import Path
 from typing import Annotated
@@ -22,11 +23,19 @@ Set = Annotated[list[str], typer.Option("--set", metavar="COMPONENT.VARIABLE=VAL
 def main() -> None:
     """Entry point: errors become one sentence on stderr and an exit status, 1 (run) or 2 (use)."""
     try:
-        app()
+        app(args=with_factor(sys.argv[1:]))
     except UsageError as error:
         sys.exit(complain(error, 2))
     except RunError as error:
         sys.exit(complain(error, 1))
+
+
+def with_factor(words: list[str]) -> list[str]:
+    """`--real-time` with its factor, which is 1 where none is given."""
+    for i, word in enumerate(words):
+        if word == "--real-time" and not re.fullmatch(r"\d*\.?\d+", words[i + 1] if i + 1 < len(words) else ""):
+            return [*words[:i + 1], "1", *words[i + 1:]]
+    return words
 
 
 def complain(error: object, status: int) -> int:
@@ -58,7 +67,7 @@ def run(
     stop: Annotated[float | None, typer.Option(help="End, s; else the scenario's.")] = None,
     algorithm: Algorithm = "gauss-seidel",
     plain: Annotated[bool, typer.Option("--plain", help="Tick in plain Python, not in compiled code.")] = False,
-    real_time: Annotated[float | None, typer.Option(metavar="FACTOR", help="Pace: FACTOR times real time.")] = None,
+    real_time: Annotated[float | None, typer.Option(metavar="[FACTOR]", help="Pace the run, FACTOR (1) times.")] = None,
     isolate: Annotated[bool, typer.Option("--isolate", help="Fly in a process of its own, which may crash.")] = False,
     time_limit: Annotated[float | None, typer.Option(metavar="S", help="Of one FMU call; isolates.")] = None,
     stream: Annotated[bool, typer.Option("--stream", help="Write signals.parquet as it flies, for long runs; no CSV, "

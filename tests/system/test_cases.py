@@ -80,3 +80,9 @@ def test_trim_reproduces_table_1(tmp_path):
     assert (round(found["theta_deg"], 4), round(found["eta1"], 4), round(found["eta2"], 4)) == (1.6325, 0.97, 0.7967)
     assert (round(found["fuel_ratio"], 5), round(found["elevator_deg"], 3)) == (0.26703, 12.511)
     assert found["residual"] < 1e-9
+
+
+def test_a_paced_run_reports_its_lateness_and_the_factor_may_be_left_out(tmp_path):
+    found = flown(tmp_path, "case1", "--stop", 0.5, "--real-time", "--algorithm", "jacobi")
+    assert set(found["lateness"]) >= {"mean_s", "p99_s", "worst_s"}
+    assert found["real_time_factor"] < 2
