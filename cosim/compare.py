@@ -150,7 +150,7 @@ def draw(flights: dict[str, Flight], title: str, panels: tuple[Panel, ...]) -> A
         axis.set_ylabel(panel.ylabel)
         axis.grid(True, alpha=0.3)
         axis.ticklabel_format(axis="y", useOffset=False)
-        axis.legend(loc="best", fontsize="small")
+    axes[0, 0].legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncol=4, fontsize="small", frameon=False)
     axes[-1, 0].set_xlabel("time (s)")
     axes[-1, 0].set_xlim(0, max(max(f.time[-1] for f in flights.values()), 1e-9))
     figure.suptitle(title)

@@ -1,4 +1,4 @@
-"""Studies by flight that the tests run small and benchmarks/evidence.py runs whole."""
+"""Studies by flight that the tests run small and benchmarks/draw_evidence.py runs whole."""
 from types import SimpleNamespace
 
 import numpy as np
