@@ -313,13 +313,14 @@ def check(
 @app.command(context_settings={"allow_extra_args": True, "ignore_unknown_options": True})
 def bench(
     context: typer.Context,
-    what: Annotated[str, typer.Argument(help="masters, orders, memory or step.")] = "masters",
+    what: Annotated[str, typer.Argument(help="masters, orders, memory, step or campaign.")] = "masters",
 ) -> None:
     """Measure, side by side; --json and further options go to the measurement (benchmarks/*.py)."""
     import subprocess
 
     folder = Path(__file__).parent.parent / "benchmarks"
-    scripts = {"masters": "masters.py", "orders": "orders.py", "memory": "memory.py", "step": "native_step.py"}
+    scripts = {"masters": "masters.py", "orders": "orders.py", "memory": "memory.py", "step": "native_step.py",
+               "campaign": "campaign.py"}
     script = folder / scripts[choice("what", what, scripts)]
     if not script.is_file():
         raise UsageError(f"There is no {script}: measurements come with the sources, not with the package.")

@@ -1,4 +1,6 @@
 """A campaign file that is wrong: one sentence with line and field, before anything runs."""
+from pathlib import Path
+
 import pytest
 import yaml
 
@@ -94,6 +96,11 @@ def test_a_wrong_file_is_refused_with_line_and_field(before, after, sentence, tm
 def test_what_is_no_campaign_at_all_is_refused_too(text, tmp_path):
     with pytest.raises(UsageError, match=r"campaign\.yaml"):
         plan(text, tmp_path)
+
+
+@pytest.mark.parametrize("file", sorted(Path("docs/campaigns").glob("*.yaml")), ids=lambda file: file.stem)
+def test_the_examples_fit_the_fmus(file):
+    assert load(file).laws
 
 
 def test_constants_of_a_wave_are_set_and_the_rest_is_drawn(tmp_path):
