@@ -17,14 +17,14 @@ import numpy as np
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parent / "tests"))
 
-from claims import ALTITUDES, ENVELOPE, SPEEDS, bounds, differentiator_poles, effects, gamma_zeros, operations  # noqa: E402
+from claims import ALTITUDES, ENVELOPE, SPEEDS, bounds, differentiator_poles, effects, gamma_zeros, growth, operations  # noqa: E402
 from claims import MODELS as LAW_MODELS  # noqa: E402
 from evidence import Loaded, fly, summary  # noqa: E402
 from studies import NOISE, SENSORS, ablation, envelope, limits  # noqa: E402
 
 from ahv_ctrl_fmu.neural_model import PRESETS  # noqa: E402
 from fmus.linear_report import preset_gains  # noqa: E402
-from fmus.linearize import GROUPS, NoTrim, closed_loop  # noqa: E402
+from fmus.linearize import GROUPS, closed_loop  # noqa: E402
 from fmus.margins import frequencies, response  # noqa: E402
 
 PICTURES = HERE.parent / "docs" / "pictures"
@@ -81,17 +81,6 @@ def differentiator():
     axis.grid(alpha=0.3)
     save(figure, "differentiator")
     return {name: differentiator_poles(PRESETS[name]).real.max() for name in shapes}
-
-
-def growth(model, gains, V=7700.0, h=85000.0, scale=None):
-    """Largest real part (1/s) of the closed loop's poles but the reference filters'; NaN without an equilibrium."""
-    try:
-        loop = closed_loop(model, gains, V, h, scale=scale)
-    except (NoTrim, np.linalg.LinAlgError):
-        return np.nan
-    poles = loop.cut().poles
-    reference = np.roots([1, 0.18, 0.01])
-    return max(p.real for p in poles if np.abs(p - reference).min() > 1e-3)
 
 
 def stability():

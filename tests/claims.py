@@ -9,7 +9,7 @@ from evidence import fly
 from ahv_ctrl_fmu import backstepping_model, neural, neural_model
 from fmus import symbols
 from fmus.interface import names, variables
-from fmus.linearize import vehicle
+from fmus.linearize import NoTrim, closed_loop, vehicle
 from fmus.trace import symbol_namespace, trace
 
 SPEEDS, ALTITUDES = np.linspace(7500, 9500, 9), np.linspace(80000, 100000, 9)  # ft/s, ft
@@ -28,6 +28,17 @@ def gamma_zeros(V, h):
     system = vehicle(V, h)
     zeros = system.zeros("elevator", "gamma")
     return float(system.poles.real.max()), float(zeros.real.max())
+
+
+def growth(model, gains, V=7700.0, h=85000.0, scale=None):
+    """Largest real part (1/s) of the closed loop's poles but the reference filters'; NaN without an equilibrium."""
+    try:
+        loop = closed_loop(model, gains, V, h, scale=scale)
+    except (NoTrim, np.linalg.LinAlgError):
+        return np.nan
+    poles = loop.cut().poles
+    reference = np.roots([1, 0.18, 0.01])
+    return max(p.real for p in poles if np.abs(p - reference).min() > 1e-3)
 
 
 def differentiator_poles(gains):
