@@ -1,6 +1,7 @@
 """A campaign file as text: what it says, and on which line."""
 from collections.abc import Iterator
 from contextlib import contextmanager
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -76,7 +77,9 @@ class Source:
     def fail(self, place: Place, message: str) -> NoReturn:
         line, known = self.find(place)
         field = ".".join(map(str, known))
-        raise Located(f"{self.path}, line {line}: {field + ': ' if field else ''}{message.rstrip('.')}.") from None
+        end = "" if message.endswith("?") else "."
+        where = f"{field}: " if field else ""
+        raise Located(f"{self.path}, line {line}: {where}{message.rstrip('.')}{end}") from None
 
     @contextmanager
     def at(self, *place: str | int) -> Iterator[None]:
@@ -93,12 +96,24 @@ class Source:
         try:
             return Campaign.model_validate(self.data)
         except ValidationError as error:
-            first = error.errors()[0]
-            place, kind, message = first["loc"], first["type"], first["msg"].removeprefix("Value error, ")
-            if kind == "missing":
-                return self.fail(place[:-1], f"{place[-1]} is missing")
-            if kind == "extra_forbidden":
-                return self.fail(place, "there is no such field")
-            if kind != "value_error" and not isinstance(first.get("input"), dict | list):
-                message += f", not {first.get('input')!r}"
-            return self.fail(place, message)
+            found = error.errors()  # a misspelt field is missing, too, but that is not what to say
+            first = next((e for e in found if e["type"] == "extra_forbidden"), found[0])
+            return self.fail(*complaint(first))
+
+
+def complaint(error: Any) -> tuple[Place, str]:
+    """Where and what, of one of pydantic's errors."""
+    place, kind = error["loc"], error["type"]
+    message = error["msg"].removeprefix("Value error, ")
+    if kind == "missing":
+        return place[:-1], f"{place[-1]} is missing"
+    if kind == "extra_forbidden":
+        near = get_close_matches(str(place[-1]), Campaign.model_fields, 1) if len(place) == 1 else []
+        return place, f"there is no such field{f'; did you mean {near[0]}?' if near else ''}"
+    if kind == "union_tag_not_found":
+        return place, "distribution is missing"
+    if kind == "union_tag_invalid":
+        return place, f"there is no distribution {error['ctx']['tag']}; there are {error['ctx']['expected_tags']}"
+    if kind != "value_error" and not isinstance(error.get("input"), dict | list):
+        message += f", not {error.get('input')!r}"
+    return place, message

@@ -66,7 +66,7 @@ class Store:
         """Raises UsageError if the folder has a campaign already that is not to be, or cannot be, continued."""
         prepare_folder(self.folder)
         head = self.folder / "campaign.json"
-        if head.exists():
+        if head.exists() and (self.complete or any(self.parts.glob("runs-*"))):
             if not resume:
                 raise UsageError(f"{self.folder} has a campaign already: --resume continues it, --out puts this one "
                                  f"elsewhere.")
