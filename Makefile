@@ -19,7 +19,7 @@ demo: build
 	$(BIN)/ahv run case1
 
 test: build
-	$(BIN)/pytest -m 'not slow'
+	$(BIN)/pytest -n 2 --dist loadfile -m 'not slow'
 
 lint: setup
 	$(BIN)/ruff check .

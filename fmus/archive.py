@@ -1,5 +1,6 @@
 """An FMU archive as a mapping of paths to bytes, written the same way every time."""
 import hashlib
+import os
 import zipfile
 from pathlib import Path
 
@@ -15,7 +16,7 @@ def digest(files: dict[str, bytes]) -> str:
 def write(path: Path, files: dict[str, bytes]) -> None:
     """Write `files` as a zip archive at `path`: sorted, dateless, byte for byte reproducible."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    partial = path.with_name(path.name + ".partial")
+    partial = path.with_name(f"{path.name}.{os.getpid()}")
     with zipfile.ZipFile(partial, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
         for name in sorted(files):
             entry = zipfile.ZipInfo(name, (1980, 1, 1, 0, 0, 0))
