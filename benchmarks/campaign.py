@@ -85,11 +85,11 @@ def plain_run(values: dict[str, dict[str, float]]) -> float:
 
 def plain(file: Path, runs: int) -> dict[str, float]:
     """The first runs of the campaign, in a pool of two processes."""
-    from cosim.campaign.engine import requests
     from cosim.campaign.plan import load
+    from cosim.campaign.worker import requests
 
     drawn = []
-    for request, _ in requests(load(file), 0, runs):
+    for request in requests(load(file).job, 0, runs):
         values: dict[str, dict[str, float]] = {}
         for name, value in request.values.items():
             values.setdefault(name.partition(".")[0], {})[name.partition(".")[2]] = float(value)

@@ -115,9 +115,9 @@ def drivers(results: list[Results], draws: list[str], metric: str) -> Figure:
             at = np.arange(len(names)) + (i - (len(results) - 1) / 2) * 0.8 / len(results)
             axis.barh(at, [by_draw[n][what] for n in names], 0.8 / len(results), color=f"C{i}", label=r.law)
         axis.set_xlim(-1, 1)
-        axis.set_xlabel(f"rank correlation with {what}")
+        axis.set_xlabel(f"rank correlation with {what}", fontsize="small")
         axis.grid(True, alpha=0.3)
-    axes[0, 0].set_yticks(range(len(names)), names, fontsize="small")
+    axes[0, 0].set_yticks(range(len(names)), [n.replace("scenario.", "") for n in names], fontsize="small")
     axes[0, 0].invert_yaxis()
     axes[0, 0].legend(fontsize="small")
     return made
@@ -126,7 +126,7 @@ def drivers(results: list[Results], draws: list[str], metric: str) -> Figure:
 def scatter(r: Results, draws: list[str], metric: str) -> Figure:
     """`metric` against each draw, failures apart."""
     by_draw = r.drivers(draws, metric)
-    names = list(by_draw)[:MOST_PANELS]
+    names = list(by_draw)[:MOST_PANELS // 2]
     rows = -(-len(names) // 3)
     made, axes = figure(0.4 + 2.3 * rows, rows, 3, sharey=True)
     chosen = slice(None, POINTS)
@@ -135,14 +135,14 @@ def scatter(r: Results, draws: list[str], metric: str) -> Figure:
         x = r.columns[name][chosen]
         axis.plot(x[~success], y[~success], ".", ms=3, alpha=0.5, color=FAILURE, label="failure")
         axis.plot(x[success], y[success], ".", ms=3, alpha=0.5, color=SUCCESS, label="success")
-        axis.set_xlabel(name, fontsize="small")
+        axis.set_xlabel(name.replace("scenario.", ""), fontsize="small")
         axis.set_title(f"with failure {by_draw[name]['failure']:+.2f}", fontsize="small")
         axis.grid(True, alpha=0.3)
         if wide(y):
             axis.set_yscale("log")
     for axis in axes.flat[len(names):]:
         axis.set_visible(False)
-    axes[0, 0].legend(fontsize="small")
+    axes[0, 0].legend(fontsize="small", loc="upper right")
     for axis in axes[:, 0]:
         axis.set_ylabel(metric, fontsize="small")
     return made

@@ -30,7 +30,7 @@ def campaign(path: Path, out: Path | None = None, scheduler: str | None = None, 
 
 def fly(plan: Any, store: Store, scheduler: str | None, workers: int | None) -> tuple[int, float]:
     """What is missing; (rows that were flown, seconds that took)."""
-    from .engine import CONTINUE, Engine, connected, send_fmus
+    from .engine import CONTINUE, Engine, connected, send
     from .progress import shown
 
     total = plan.campaign.runs * len(plan.laws)
@@ -39,7 +39,7 @@ def fly(plan: Any, store: Store, scheduler: str | None, workers: int | None) -> 
     try:
         if rows < total:
             with connected(scheduler, workers) as client:
-                send_fmus(client, plan)
+                send(client, plan)
                 began = time.perf_counter()
                 with shown(plan.campaign.name, total, rows, successes, client.dashboard_link) as progress:
                     Engine(client, plan, store, progress).run()

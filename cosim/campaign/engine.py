@@ -7,19 +7,17 @@ from collections import deque
 from collections.abc import Callable, Iterator
 from concurrent.futures import CancelledError
 from contextlib import contextmanager
-from typing import Any
+from itertools import count
 
 import dask
 from distributed import Client, Future, KilledWorker, LocalCluster, as_completed
 
 from ..errors import RunError
 from .plan import Plan
-from .sampling import draw, picked
-from .store import Row, Store
-from .worker import Outcome, Request, SendFmu, fly_batch, plugin_name
+from .store import Store
+from .worker import Outcome, SendFmu, SendJob, fly_batch, plugin_name, requests
 
 AHEAD = 4            # tasks on their way for each thread of the cluster
-ENVELOPE_RUNS = 2000  # the first runs, whose errors over time are kept
 WAIT_S = 60.0        # for a first worker
 CONTINUE = "what was flown until then is kept, and --resume continues"
 GONE = f"The Dask scheduler is gone; {CONTINUE}."
@@ -53,23 +51,13 @@ def connected(scheduler: str | None, workers: int | None) -> Iterator[Client]:
         yield client
 
 
-def send_fmus(client: Client, plan: Plan) -> None:
-    """Each FMU file to every worker of now and later, unless the cluster has it from before."""
+def send(client: Client, plan: Plan) -> None:
+    """The job, and each FMU file, to every worker of now and later; no FMU that the cluster has from before."""
     known = client.run_on_scheduler(lambda dask_scheduler: list(dask_scheduler.worker_plugins))
     for stored, path in plan.fmus.items():
         if plugin_name(stored) not in known:
             client.register_plugin(SendFmu(stored, path.read_bytes()))
-
-
-def requests(plan: Plan, first: int, last: int) -> Iterator[tuple[Request, dict[str, Any]]]:
-    """The runs of a task, with their draws by name."""
-    for k in range(first, last):
-        u = plan.sampler.uniforms(k)
-        keep = picked(plan.campaign.seed, k, plan.campaign.signals.share)
-        for law in plan.laws:
-            drawn = draw(plan.draws[law], u)
-            values = {target: drawn[d.name] for d in plan.draws[law] for target in d.targets}
-            yield Request(k, law, values, keep, k < ENVELOPE_RUNS), drawn
+    client.register_plugin(SendJob(plan.job))
 
 
 @contextmanager
@@ -85,13 +73,17 @@ class Batch:
     """A task on its way; if its worker dies again and again it is flown run by run."""
 
     def __init__(self, plan: Plan, first: int, last: int):
-        self.first = first
-        self.asked = list(requests(plan, first, last))
+        self.first, self.last = first, last
+        self.size = (last - first) * len(plan.laws)
         self.outcomes: dict[int, Outcome] = {}
 
     @property
-    def rows(self) -> list[Row]:
-        return [(*asked, self.outcomes[i]) for i, asked in enumerate(self.asked)]
+    def complete(self) -> bool:
+        return len(self.outcomes) == self.size
+
+    @property
+    def rows(self) -> list[Outcome]:
+        return [self.outcomes[i] for i in range(self.size)]
 
 
 class Engine:
@@ -102,6 +94,7 @@ class Engine:
         self.flying: dict[Future, tuple[Batch, list[int]]] = {}
         self.queue = as_completed()
         self.suspects: deque[tuple[Batch, int]] = deque()
+        self.name, self.numbers = uuid.uuid4().hex, count()
 
     def run(self) -> None:
         """All runs that the store does not have yet.
@@ -116,7 +109,7 @@ class Engine:
                 if (span := next(missing, None)) is None:
                     break
                 batch = Batch(self.plan, *span)
-                self.submit(batch, list(range(len(batch.asked))))
+                self.submit(batch, list(range(batch.size)))
             if not self.flying:
                 if not self.suspects:
                     return
@@ -127,8 +120,10 @@ class Engine:
             self.take(future)
 
     def submit(self, batch: Batch, positions: list[int], alone: bool = False) -> None:
-        future = self.client.submit(fly_batch, self.plan.job, [batch.asked[i][0] for i in positions], pure=False,
-                                    key=f"ahv-{batch.first}-{uuid.uuid4().hex}{'-alone' if alone else ''}")
+        number = next(self.numbers)
+        future = self.client.submit(fly_batch, self.plan.job.key, batch.first, batch.last,
+                                    None if len(positions) == batch.size else positions, pure=False,
+                                    key=(f"{'alone' if alone else 'ahv'}-{self.name}", number))
         self.flying[future] = batch, positions
         self.queue.add(future)
 
@@ -141,14 +136,16 @@ class Engine:
             raise RunError(GONE)
         elif not isinstance(error := future.exception(), KilledWorker):
             raise RunError(f"The cluster cannot fly this campaign: {type(error).__name__}: {error}")
-        elif str(future.key).endswith("-alone"):
-            batch.outcomes[positions[0]] = Outcome("crashed", "Each worker that flew this run died of it: an FMU "
-                                                   f"crashed, or hung beyond timeout_s = {self.plan.job.timeout_s:g}.")
+        elif str(future.key[0]).startswith("alone"):  # type: ignore[index]
+            request = list(requests(self.plan.job, batch.first, batch.last))[positions[0]]
+            batch.outcomes[positions[0]] = Outcome(
+                request, "crashed", "Each worker that flew this run died of it: an FMU crashed, or hung beyond "
+                f"timeout_s = {self.plan.job.timeout_s:g}.")
         elif len(positions) == 1:
             self.suspects.append((batch, positions[0]))
         else:
             for position in positions:
                 self.submit(batch, [position])
-        if len(batch.outcomes) == len(batch.asked):
+        if batch.complete:
             self.store.add(batch.first, batch.rows)
-            self.progress(len(batch.asked), sum(o.succeeded for o in batch.outcomes.values()))
+            self.progress(batch.size, sum(o.succeeded for o in batch.outcomes.values()))

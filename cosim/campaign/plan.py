@@ -38,7 +38,10 @@ class Job:
     algorithm: str
     success: dict[str, str]
     timeout_s: float
-    keep_failures: bool                   # their signals
+    draws: dict[str, tuple[Draw, ...]]    # of each law: relative draws multiply its own nominal values
+    sampler: Sampler
+    keep_share: float                     # of the runs: their signals
+    keep_failures: bool
     decimate: int
 
 
@@ -49,8 +52,6 @@ class Plan:
     scenario: Scenario
     stop: float
     constants: dict[str, Value]           # what dispersions set without drawing it
-    draws: dict[str, tuple[Draw, ...]]    # of each law: relative draws multiply its own nominal values
-    sampler: Sampler
     job: Job
     fmus: dict[str, Path]                 # SHA256/FILE.fmu -> the file
     fingerprint: dict[str, Any]           # what determines the rows
@@ -59,6 +60,10 @@ class Plan:
     @property
     def laws(self) -> list[str]:
         return list(self.job.systems)
+
+    @property
+    def draws(self) -> dict[str, tuple[Draw, ...]]:
+        return self.job.draws
 
     @property
     def scenario_word(self) -> str:
@@ -117,8 +122,8 @@ def make(campaign: Campaign, source: Source) -> Plan:
         "fmus": {law: {c.name: str(c.fmu) for c in s.components} for law, s in systems.items()}}
     job = Job(hashlib.sha256(json.dumps(fingerprint, sort_keys=True).encode()).hexdigest(), systems, record,
               campaign.step, ticks, campaign.algorithm, campaign.success, campaign.timeout_s,
-              campaign.signals.failures, campaign.signals.decimate)
-    return Plan(source.path, campaign, scenario, stop, fixed, draws, sampler, job, fmus, fingerprint, runs_per_task)
+              draws, sampler, campaign.signals.share, campaign.signals.failures, campaign.signals.decimate)
+    return Plan(source.path, campaign, scenario, stop, fixed, job, fmus, fingerprint, runs_per_task)
 
 
 def beside(path: Path, scenario: str) -> str:

@@ -10,7 +10,7 @@ import pyarrow.parquet as pq
 from . import charts
 from .again import command
 from .plan import Plan
-from .statistics import Results, paired
+from .statistics import Results, paired, with_differences
 from .store import Store
 
 STYLE = """
@@ -32,8 +32,8 @@ EXPLAINED = {
     "histograms": ("How far off", "All runs, failures too, each as far as it flew."),
     "drivers": ("What drives the failures", "Spearman's rank correlation of failure (0 or 1), and of {metric}, with "
                 "each dispersion. A phase has no order: its bar is the multiple correlation with sine and cosine, "
-                "never negative."),
-    "scatter": ("{metric} against each dispersion, {law}", "The first {points} runs at most; strongest first."),
+                "never negative; differences of two phases stand beside the phases."),
+    "scatter": ("{metric} against each dispersion, {law}", "The first {points} runs at most; the twelve strongest."),
 }
 
 
@@ -41,8 +41,8 @@ def write(store: Store) -> dict[str, Any]:
     """Write the report into the store's folder; its numbers."""
     plan, folder = store.plan, store.folder
     runs, errors = pq.read_table(store.file("runs")), pq.read_table(store.file("errors"))
-    results = [Results.of(law, runs) for law in plan.laws]
-    draws, metric = [d.name for d in plan.draws[plan.laws[0]]], plan.worst_by
+    runs, draws = with_differences(runs, [d.name for d in plan.draws[plan.laws[0]]])
+    results, metric = [Results.of(law, runs) for law in plan.laws], plan.worst_by
     pictures = {}
     (folder / "figures").mkdir(exist_ok=True)
     for name, draw in charts.every(results, errors, draws, metric, plan.stop).items():

@@ -1,5 +1,6 @@
 """What a review board asks of the rows: probabilities with intervals, and what drives the failures."""
 from dataclasses import dataclass
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -8,6 +9,7 @@ import pyarrow.compute
 
 from .criteria import METRICS
 
+MOST_PHASES = 6
 Z_95 = 1.959963984540054
 
 
@@ -40,6 +42,16 @@ def rank_correlation(name: str, x: np.ndarray, y: np.ndarray) -> float:
         return correlation(rankdata(x), ranks)
     c, s, cs = correlation(np.cos(x), ranks), correlation(np.sin(x), ranks), correlation(np.cos(x), np.sin(x))
     return float(np.sqrt(min(1.0, max(0.0, (c * c + s * s - 2 * c * s * cs) / max(1 - cs * cs, 1e-12)))))
+
+
+def with_differences(table: pa.Table, draws: list[str]) -> tuple[pa.Table, list[str]]:
+    """The rows and draws with the differences of phases, two at a time: groups that swing against each other."""
+    phases = [name for name in draws if name.endswith("_sine_phase")][:MOST_PHASES]
+    for a, b in combinations(phases, 2):
+        difference = np.mod(table[a].to_numpy() - table[b].to_numpy(), 2 * np.pi)
+        draws = [*draws, f"{a.removesuffix('_sine_phase')} - {b.partition('.')[2]}"]
+        table = table.append_column(draws[-1], pa.array(difference))
+    return table, draws
 
 
 @dataclass

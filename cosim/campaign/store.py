@@ -22,12 +22,11 @@ from ..errors import UsageError
 from ..results import prepare_folder
 from .criteria import METRICS
 from .plan import Plan
-from .worker import Outcome, Request
+from .worker import Outcome
 
 KINDS = ("errors", "signals", "runs")  # in the order in which they are written
 GROUP_ROWS = 50_000
 ARROW: dict[type, pa.DataType] = {float: pa.float64(), bool: pa.bool_(), str: pa.string()}
-Row = tuple[Request, dict[str, Any], Outcome]  # with the draws by name
 
 
 def schemas(plan: Plan) -> dict[str, pa.Schema]:
@@ -96,7 +95,7 @@ class Store:
     def has(self, first: int) -> bool:
         return self.part("runs", first).exists()
 
-    def add(self, first: int, rows: list[Row]) -> None:
+    def add(self, first: int, rows: list[Outcome]) -> None:
         """The outcomes of the task whose first run is `first`, in order."""
         for kind, lines in (("errors", map(errors_line, rows)), ("runs", map(self.line, rows))):
             table = pa.Table.from_pylist([x for x in lines if x], schema=self.schemas[kind])
@@ -110,18 +109,19 @@ class Store:
             pq.write_table(table, half)
             half.replace(self.part(kind, first))
 
-    def line(self, row: Row) -> dict[str, Any]:
-        request, draws, outcome = row
-        return {"run": request.run, "controller": request.law, "seed": self.plan.campaign.seed, **draws,
+    def line(self, outcome: Outcome) -> dict[str, Any]:
+        request = outcome.request
+        return {"run": request.run, "controller": request.law, "seed": self.plan.campaign.seed, **request.drawn,
                 "status": outcome.status, "message": outcome.message, "success": outcome.succeeded,
                 **{f"success.{name}": outcome.success.get(name, False) for name in self.plan.campaign.success},
                 "ticks": outcome.ticks, "departed_at_s": outcome.departed_at_s, **outcome.metrics}
 
-    def signals(self, rows: list[Row]) -> pa.Table:
+    def signals(self, rows: list[Outcome]) -> pa.Table:
         schema, tables = self.schemas["signals"], []
-        for request, _, outcome in rows:
+        for outcome in rows:
             if outcome.signals is None:
                 continue
+            request = outcome.request
             count = len(outcome.signals["time"])
             given = {"run": pa.array([request.run] * count, pa.int64()), "controller": pa.array([request.law] * count),
                      **{name: pa.array(column) for name, column in outcome.signals.items()}}
@@ -161,6 +161,6 @@ class Store:
         return rows, successes
 
 
-def errors_line(row: Row) -> dict[str, Any] | None:
-    request, _, outcome = row
+def errors_line(outcome: Outcome) -> dict[str, Any] | None:
+    request = outcome.request
     return None if outcome.errors is None else {"run": request.run, "controller": request.law, **outcome.errors}

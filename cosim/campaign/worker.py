@@ -5,6 +5,7 @@ import os
 import tempfile
 import threading
 import time
+from collections.abc import Iterator
 from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -22,9 +23,10 @@ from ..metrics import metrics, truth
 from ..system import System, Value
 from .criteria import METRICS, holds
 from .plan import Job
+from .sampling import draw, picked
 from .uncertain import with_values
 
-ENVELOPE_POINTS = 100
+ENVELOPE_RUNS, ENVELOPE_POINTS = 2000, 100  # the first runs, whose errors over time are kept
 PATIENCE_S = 5.0  # a call that outlasts the timeout by this ends the worker
 
 
@@ -33,7 +35,8 @@ class Request:
     """One run to fly."""
     run: int
     law: str
-    values: dict[str, Value]
+    drawn: dict[str, Value]   # by the draws' names
+    values: dict[str, Value]  # what is set
     keep: bool      # its signals, whatever it shows
     envelope: bool  # its errors over time
 
@@ -41,6 +44,7 @@ class Request:
 @dataclass
 class Outcome:
     """What a run showed: a row's numbers, errors over time at ENVELOPE_POINTS + 1 times, and signals where wanted."""
+    request: Request
     status: str  # finished, departed (an FMU ended it), timed-out, error (did not start), crashed (with its worker)
     message: str = ""
     ticks: int = 0
@@ -53,6 +57,29 @@ class Outcome:
     @property
     def succeeded(self) -> bool:
         return self.status == "finished" and all(self.success.values())
+
+
+def requests(job: Job, first: int, last: int) -> Iterator[Request]:
+    """Runs first ... last - 1, of each law."""
+    for k in range(first, last):
+        u = job.sampler.uniforms(k)
+        keep = picked(job.sampler.seed, k, job.keep_share)
+        for law in job.systems:
+            drawn = draw(job.draws[law], u)
+            values = {target: drawn[d.name] for d in job.draws[law] for target in d.targets}
+            yield Request(k, law, drawn, values, keep, k < ENVELOPE_RUNS)
+
+
+class SendJob(WorkerPlugin):
+    """Dask hands this to every worker once, also to those that come later: tasks are small, since a scheduler
+    (2026.8) keeps what they carry."""
+
+    def __init__(self, job: Job):
+        self.job = job
+        self.name = f"ahv-job-{job.key}"
+
+    def setup(self, worker: Any) -> None:
+        JOBS[self.job.key] = self.job
 
 
 class SendFmu(WorkerPlugin):
@@ -146,10 +173,10 @@ class Hangar:
             master = self.ready(request.law, request.values)
             flight = fly_loaded(master, method(self.job.algorithm), self.job.step, self.job.ticks, watch)
         except (RunError, UsageError) as error:
-            return Outcome("error", str(error))
+            return Outcome(request, "error", str(error))
         except Exception as error:
             self.drop(request.law)
-            return Outcome("error", f"{type(error).__name__}: {error}")
+            return Outcome(request, "error", f"{type(error).__name__}: {error}")
         if not all(instance.alive for instance in master.instances):
             self.drop(request.law)
         status = "finished" if flight.finished else "timed-out" if late else "departed"
@@ -157,9 +184,9 @@ class Hangar:
 
     def outcome(self, request: Request, flight: Flight, status: str) -> Outcome:
         found = flat(metrics(flight))
-        result = Outcome(status, flight.message, flight.ticks, None if flight.finished else float(flight.time[-1]),
-                         found, {name: flight.finished and holds(text, found)
-                                 for name, text in self.job.success.items()})
+        ended = None if flight.finished else float(flight.time[-1])
+        success = {name: flight.finished and holds(text, found) for name, text in self.job.success.items()}
+        result = Outcome(request, status, flight.message, flight.ticks, ended, found, success)
         if request.envelope:
             result.errors = errors_over_time(flight, self.job.ticks)
         if request.keep or (self.job.keep_failures and not result.succeeded):
@@ -183,22 +210,24 @@ def errors_over_time(flight: Flight, ticks: int) -> dict[str, np.ndarray]:
             "velocity_error_fps": (truth(flight, "V") - flight["controller.V_reference"])[at].astype(np.float32)}
 
 
+JOBS: dict[str, Job] = {}
 HANGARS: list[Hangar] = []     # of this process; one at a time
 TURN = threading.Lock()        # FMUs fly one at a time in a process, however many threads Dask gives it
 NOWHERE = open(os.devnull, "w")  # noqa: SIM115
 
 
-def fly_batch(job: Job, requests: list[Request], folder: Path | None = None) -> list[Outcome]:
-    """Fly `requests`, one after the other; `folder` has the FMUs (None: this Dask worker's)."""
-    if folder is None:
-        from distributed import get_worker
-        folder = work_folder(get_worker())
+def fly_batch(key: str, first: int, last: int, positions: list[int] | None = None) -> list[Outcome]:
+    """Fly runs first ... last - 1 of the job `key`, one after the other, or those of them at `positions`."""
+    from distributed import get_worker
+
+    job, folder = JOBS[key], work_folder(get_worker())
+    asked = list(requests(job, first, last))
     with TURN:
-        if not HANGARS or (HANGARS[0].job.key, HANGARS[0].folder) != (job.key, folder):
+        if not HANGARS or HANGARS[0].job.key != key:
             for hangar in HANGARS:
                 hangar.close()
             HANGARS[:] = [Hangar(job, folder)]
-        return [guarded(HANGARS[0], request) for request in requests]
+        return [guarded(HANGARS[0], asked[i]) for i in (range(len(asked)) if positions is None else positions)]
 
 
 def guarded(hangar: Hangar, request: Request) -> Outcome:

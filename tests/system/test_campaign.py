@@ -18,7 +18,7 @@ from test_cases import ahv
 from cosim.campaign import engine
 from cosim.campaign.plan import load
 from cosim.campaign.store import Store
-from cosim.campaign.worker import fly_batch
+from cosim.campaign.worker import JOBS, fly_batch, requests
 
 AHV = Path(sys.executable).parent / "ahv"
 TABLES = ("runs.parquet", "signals.parquet", "errors.parquet")
@@ -230,14 +230,15 @@ def test_a_run_that_kills_its_worker_is_a_row_and_costs_no_other(tmp_path, monke
     store = Store(tmp_path / "out", plan)
     store.prepare(False, "")
     with engine.connected(None, 2) as client:
-        engine.send_fmus(client, plan)
+        engine.send(client, plan)
         engine.Engine(client, plan, store, lambda more, good: None).run()
     store.finish()
     assert [r["run"] for r in rows(tmp_path / "out") if r["status"] == "crashed"] == [5]
     assert len(rows(tmp_path / "out")) == 12
 
 
-def deadly(job, requests):
-    if any(request.run == 5 for request in requests):
+def deadly(key, first, last, positions=None):
+    asked = list(requests(JOBS[key], first, last))
+    if any(asked[i].run == 5 for i in positions or range(len(asked))):
         os.abort()
-    return fly_batch(job, requests)
+    return fly_batch(key, first, last, positions)
