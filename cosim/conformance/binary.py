@@ -38,7 +38,7 @@ def read_library(file: Path) -> Library:
             return _pe(data)
         if data[:4] in (b"\xcf\xfa\xed\xfe", b"\xce\xfa\xed\xfe", b"\xca\xfe\xba\xbe"):
             return _mach(data)
-    except (struct.error, IndexError, ValueError) as problem:
+    except (struct.error, IndexError, ValueError, OverflowError) as problem:
         raise BadBinary(f"its tables are damaged ({problem})") from None
     raise BadBinary("it is neither ELF (Linux) nor PE (Windows) nor Mach-O (macOS)")
 
