@@ -2,12 +2,8 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-import matplotlib
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure  # without pyplot, which takes its time and keeps every figure
 
 from .flight import Flight
 
@@ -56,7 +52,8 @@ def available(flight: Flight, panels: tuple[Panel, ...]) -> bool:
 
 def draw(flight: Flight, title: str, panels: tuple[Panel, ...]) -> Figure:
     height = 2.2 * len(panels) + 1
-    figure, axes = plt.subplots(len(panels), 1, sharex=True, figsize=(8, height), squeeze=False)
+    figure = Figure(figsize=(8, height))
+    axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)
     # Fixed margins, in inches: finding them from the texts would take as long as all the drawing.
     figure.subplots_adjust(left=0.12, right=0.98, bottom=0.5 / height, top=1 - 0.4 / height, hspace=0.08)
     for axis, panel in zip(axes[:, 0], panels):
@@ -87,6 +84,5 @@ def write(out: Path, flight: Flight, name: str, first_figure: int) -> list[Path]
         figure = draw(flight, f"{name}: {title}{ending}", panels)
         path = folder / f"figure_{number:02d}_{key}.png"
         figure.savefig(path, dpi=120, pil_kwargs={"compress_level": 1})
-        plt.close(figure)
         written.append(path)
     return written
