@@ -1,9 +1,16 @@
-"""Fixtures shared by all tests. The FMUs are built by `make test` before the tests run."""
+"""Fixtures shared by all tests: the FMU files, built where sources have changed."""
+import os
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
 
 from fmus.build import MODELS, build
+
+# No deadline: a busy machine is no failure. In CI the same examples every time; elsewhere new ones are tried.
+settings.register_profile("here", deadline=None)
+settings.register_profile("ci", deadline=None, derandomize=True)
+settings.load_profile("ci" if os.environ.get("CI") else "here")
 
 
 @pytest.fixture(scope="session")
