@@ -142,7 +142,7 @@ class Master:
                 found[code, index] = f"{instance.name} ({instance.file.path.name})", call, late
         return found
 
-    def can_save(self) -> list[str]:
+    def cannot_save(self) -> list[str]:
         """Components that cannot save and restore their state."""
         return [i.name for i in self.instances if not i.cosimulation.canGetAndSetFMUstate]
 

@@ -19,10 +19,10 @@ from ..errors import RunError, UsageError
 from ..master import Master
 from ..program import row
 from . import HOLD, positive, whole
-from .parts import Plan, inputs, outputs, step, turn
+from .parts import Even, Plan, inputs, outputs, step, turn
 
 
-class Iterated:
+class Iterated(Even):
     OPTIONS: ClassVar = {**HOLD, "tolerance": (1e-10, positive), "passes": (50, whole)}
 
     def __init__(self, master: Master, options: dict, plan: Plan):
@@ -30,7 +30,7 @@ class Iterated:
         self.tolerance, self.passes, hold = options["tolerance"], options["passes"], options["hold"]
         self.blocks: list[tuple[np.ndarray, np.ndarray | None, np.ndarray]] = []  # first pass, further ones, slots
         w = master.wiring
-        lacking = set(master.can_save())
+        lacking = set(master.cannot_save())
         loops = looped(value_needs(master.system, master.files, master.targets))
         for group in step_order(master.system, master.files, master.targets):
             parts = [master.number[name] for name in group]
@@ -45,14 +45,6 @@ class Iterated:
                      (row(P.RESTORE, i), *inputs(master, i, hold), step(i), *outputs(master, i, False))]
             self.blocks.append((P.program([*(row(P.SAVE, i) for i in parts), *once]), P.program(again),
                                 w.sources[np.isin(w.holder[w.sources], parts)]))
-
-    @property
-    def time(self) -> float:
-        return self.plan.start + self.ticks * self.plan.step
-
-    @property
-    def done(self) -> bool:
-        return self.ticks == self.plan.ticks
 
     def advance(self, most: int) -> None:
         plan, master = self.plan, self.master

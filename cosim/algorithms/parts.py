@@ -62,13 +62,27 @@ def chosen_order(master: Master, order: list[str] | None) -> list[int]:
 
 def need_states(master: Master, algorithm: str) -> None:
     """UsageError naming the components that cannot step back."""
-    lacking = master.can_save()
+    lacking = master.cannot_save()
     if lacking:
         raise UsageError(f"--algorithm {algorithm} steps back, and {', '.join(lacking)} cannot: "
                          f"the FMU does not claim canGetAndSetFMUstate.")
 
 
-class Fixed:
+class Even:
+    """What flies in ticks of equal length: where it is, and whether it has arrived."""
+    plan: Plan
+    ticks: int
+
+    @property
+    def time(self) -> float:
+        return self.plan.start + self.ticks * self.plan.step
+
+    @property
+    def done(self) -> bool:
+        return self.ticks == self.plan.ticks
+
+
+class Fixed(Even):
     """Flies a program that is the same on every tick. A discarded step ends the run: nothing is taken back."""
 
     def __init__(self, master: Master, plan: Plan):
@@ -78,14 +92,6 @@ class Fixed:
 
     def rows(self, decimate: int) -> list[Row]:
         raise NotImplementedError
-
-    @property
-    def time(self) -> float:
-        return self.plan.start + self.ticks * self.plan.step
-
-    @property
-    def done(self) -> bool:
-        return self.ticks == self.plan.ticks
 
     def advance(self, most: int) -> None:
         plan = self.plan
