@@ -25,7 +25,7 @@ from ahv_plant_fmu.equations import (
 )
 
 from .differentiator import filter_rate, filter_step, filter_transition
-from .interface import NOMINAL_VEHICLE, gamma_command, limited, start_trim
+from .ports import NOMINAL_VEHICLE, gamma_command, limited, start_trim
 
 State = namedtuple("State", "V_ref h_ref V_integral d_V d_gamma d_Q gamma_td theta_td Q_td elevator_trim")
 CRITICAL = 1.0  # damping ratio of the tracking differentiators

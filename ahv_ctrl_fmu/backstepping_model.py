@@ -1,6 +1,6 @@
 """The backstepping rival as a component: its table of variables and its presets."""
 from .backstepping import advance, outputs, prepare, start  # noqa: F401  (the component's functions)
-from .interface import PARAMETERS, PORTS, SMALL
+from .ports import PARAMETERS, PORTS, SMALL
 
 NAME = "AhvBackstepping"
 DESCRIPTION = "Backstepping controller with tracking differentiators and disturbance observers, a reconstruction"

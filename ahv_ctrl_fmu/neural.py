@@ -19,7 +19,7 @@ from .differentiator import (
     filter_step,
     filter_transition,
 )
-from .interface import gamma_command, limited, start_trim
+from .ports import gamma_command, limited, start_trim
 
 NODES = 20
 NEWTON_STEPS, DIFFERENCE = 6, 1e-6

@@ -1,6 +1,6 @@
 """The neural controller as a component: its table of variables and its presets."""
-from .interface import DEG, PARAMETERS, PORTS, SMALL
 from .neural import advance, outputs, prepare, start  # noqa: F401  (the component's functions)
+from .ports import DEG, PARAMETERS, PORTS, SMALL
 
 NAME = "AhvController"
 DESCRIPTION = "Adaptive neural controller of a flexible air-breathing hypersonic vehicle, equations (17)-(67)"

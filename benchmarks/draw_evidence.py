@@ -24,7 +24,7 @@ from studies import NOISE, SENSORS, ablation, envelope, limits  # noqa: E402
 
 from ahv_ctrl_fmu.neural_model import PRESETS  # noqa: E402
 from fmus.linear_report import preset_gains  # noqa: E402
-from fmus.linearize import GROUPS, closed_loop  # noqa: E402
+from fmus.linearize import GROUPS, linear_loop  # noqa: E402
 from fmus.margins import frequencies, response  # noqa: E402
 
 PICTURES = HERE.parent / "docs" / "pictures"
@@ -118,7 +118,7 @@ def margins():
     result = {}
     omega = frequencies(0.01)
     for law, (_, model, preset) in LAWS.items():
-        loop = closed_loop(model, preset_gains(model, preset), 7700, 85000)
+        loop = linear_loop(model, preset_gains(model, preset), 7700, 85000)
         result[law] = {name: m.as_dict() for name, m in loop.margins().items()}
         for column, place in enumerate(({"actuator": 1}, {"sensor": 2})):
             cut = loop.cut(**place)

@@ -23,12 +23,12 @@ def ours(ssp: Path, step: float, ticks: int) -> dict[str, float]:
     import numpy as np
     from numba import cfunc
 
-    from cosim import program as P
-    from cosim.algorithms import method
-    from cosim.algorithms.parts import Plan
-    from cosim.flight import fly
-    from cosim.master import Master, open_files
-    from cosim.recording import CHUNK_ROWS, Recorder
+    from cosim.master import program as P
+    from cosim.master.algorithms import method
+    from cosim.master.algorithms.base import Experiment
+    from cosim.master.flight import fly
+    from cosim.master.loaded import Master, open_files
+    from cosim.master.recording import CHUNK_ROWS, Recorder
     from cosim.ssp.load import loaded
 
     with loaded(ssp) as found:
@@ -43,7 +43,7 @@ def ours(ssp: Path, step: float, ticks: int) -> dict[str, float]:
         with open_files(system) as files:
             master = Master(system, files, names)
             chosen, recorder = method("jacobi"), Recorder(master.columns)
-            flier = chosen.algorithm(master, chosen.options, Plan(0.0, step, ticks, recorder))
+            flier = chosen.algorithm(master, chosen.options, Experiment(0.0, step, ticks, recorder))
             master.initialise(0.0, ticks * step)
             rows, times = recorder.room(CHUNK_ROWS)
 
@@ -113,9 +113,9 @@ def write_systems(folder: Path) -> dict[str, Path]:
     sys.path.insert(0, str(Path(__file__).parent))
     import small
 
-    from cosim import scenarios
-    from cosim.closed_loop import chosen_presets, planned
     from cosim.ssp.write import write
+    from cosim.vehicle import scenarios
+    from cosim.vehicle.closed_loop import chosen_presets, planned
 
     pair = small.pair(small.build(folder, others=False), a22=0.0)
     plan = scenarios.load("case2")

@@ -20,9 +20,9 @@ sys.path[:0] = [str(HERE), str(HERE.parent / "tests")]
 import oracle  # noqa: E402
 import small  # noqa: E402
 
-from cosim import scenarios  # noqa: E402
-from cosim.closed_loop import chosen_presets, planned  # noqa: E402
-from cosim.flight import fly  # noqa: E402
+from cosim.master.flight import fly  # noqa: E402
+from cosim.vehicle import scenarios  # noqa: E402
+from cosim.vehicle.closed_loop import chosen_presets, planned  # noqa: E402
 
 STEPS = (0.001, 0.002, 0.004, 0.008, 0.016)
 TOLERANCES = (1e-4, 1e-6, 1e-8)

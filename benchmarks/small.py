@@ -7,7 +7,7 @@ from pathlib import Path
 
 import fmpy
 
-from cosim.system import Component, Connection, System, Value
+from cosim.master.system import Component, Connection, System, Value
 
 REALS = ("a11", "a12", "a21", "a22", "b1", "b2", "c1", "c2", "d", "x1", "x2", "substeps", "fault_time", "longest",
          "u", "y", "y1", "y2")

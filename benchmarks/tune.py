@@ -22,14 +22,14 @@ from typing import Any
 
 import numpy as np
 
-from cosim.algorithms import method
-from cosim.closed_loop import CONTROLLERS, fmu_path
 from cosim.errors import RunError
-from cosim.flight import fly_loaded, tick_count
-from cosim.fmu import FmuFile
-from cosim.master import Master, open_files
-from cosim.metrics import metrics
-from cosim.system import Component, closed_loop
+from cosim.master.algorithms import method
+from cosim.master.flight import fly_loaded, tick_count
+from cosim.master.fmu import FmuFile
+from cosim.master.loaded import Master, open_files
+from cosim.master.system import Component
+from cosim.vehicle.closed_loop import CONTROLLERS, fmu_path, wired
+from cosim.vehicle.metrics import metrics
 
 FREE = {
     "neural": ["kV1", "kV2", "k_gamma", "kh", "kh1", "mu", "c_theta", "c_Q", "pitch_rate_gain", "R", "R_d",
@@ -111,7 +111,7 @@ class Bench:
         values = {"scenario": {**self.presets[flight.preset], **flight.values},
                   "controller": {**self.base, **FAST["controller"], **gains},
                   "plant": {**FAST["plant"], **flight.plant}}
-        return closed_loop(*(Component(name, self.paths[name], values[name])
+        return wired(*(Component(name, self.paths[name], values[name])
                              for name in ("scenario", "controller", "plant")))
 
     def fly(self, flight: Flown, gains: dict[str, float]) -> Any:

@@ -11,7 +11,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 from matplotlib.patches import FancyBboxPatch
 
-from cosim.system import CLOSED_LOOP
+from cosim.vehicle.closed_loop import CLOSED_LOOP
 
 ROOT = Path(__file__).parent.parent
 MODELS = {"scenario": "AhvScenario", "controller": "AhvController", "plant": "AhvPlant"}

@@ -3,7 +3,7 @@ from importlib import import_module
 from importlib.metadata import version
 from pathlib import Path
 
-from . import archive, documentation, native_flavour, python_flavour
+from . import documentation, native_flavour, pack, python_flavour
 from .description import model_description, parameter_set
 from .trace import trace
 
@@ -15,7 +15,7 @@ MODELS = {
     "AhvInstrumentedPlant": "ahv_plant_fmu.instrumented_model",
     "AhvController": "ahv_ctrl_fmu.neural_model",
     "AhvBackstepping": "ahv_ctrl_fmu.backstepping_model",
-    "AhvScenario": "cosim.scenario.model",
+    "AhvScenario": "cosim.vehicle.scenario_model",
 }
 FLAVOURS = {"python": python_flavour, "native": native_flavour}
 
@@ -38,11 +38,11 @@ def build(name: str, flavour: str, dist: Path = DIST, arm: bool = False) -> Path
         return model_description(model, traced, maker.FLAVOUR, guid, version("ahv"))
 
     files["modelDescription.xml"] = describe("")
-    guid = "{" + archive.digest(files)[:32] + "}"
+    guid = "{" + pack.digest(files)[:32] + "}"
     files["modelDescription.xml"] = describe(guid)
     files.update(maker.binaries(model, files, guid, arm))
     path = dist / flavour / f"{name}.fmu"
-    archive.write(path, files)
+    pack.write(path, files)
     return path
 
 

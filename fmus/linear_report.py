@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from .build import MODELS
-from .linearize import Linear, closed_loop, damping, vehicle
+from .linearize import Linear, damping, linear_loop, vehicle
 
 ZEROS = (("fuel_ratio", "V"), ("fuel_ratio", "gamma"), ("elevator", "V"), ("elevator", "gamma"), ("elevator", "theta"))
 
@@ -31,7 +31,7 @@ def linear_report(controller: str, gains: dict[str, Any], V: float, h: float, st
     """Open loop: continuous, with zeros. Closed loop: sampled every `step` seconds as it flies, poles as those of the
     continuous system with the same samples; margins at each actuator and sensor."""
     alone = vehicle(V, h, scale, **plant)
-    loop = closed_loop(controller, gains, V, h, step, scale, plant)
+    loop = linear_loop(controller, gains, V, h, step, scale, plant)
     closed = loop.cut()
     stable = bool(np.abs(np.linalg.eigvals(closed.A)).max() < 1)
     fuel_ratio, elevator = (float(v) for v in loop.y)

@@ -230,7 +230,7 @@ class Loop:
         return result
 
 
-def closed_loop(controller: str, gains: dict[str, Any], V: float, h: float, step: float = 0.01,
+def linear_loop(controller: str, gains: dict[str, Any], V: float, h: float, step: float = 0.01,
                 scale: dict[str, float] | None = None, plant: dict[str, float] | None = None) -> Loop:
     """The closed loop that holds V (ft/s), h (ft), about its own equilibrium: `controller` is a model's name, `gains`
     its parameters, `scale` a factor per coefficient group and `plant` parameters of the vehicle.

@@ -8,7 +8,7 @@ import tempfile
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
-from .archive import digest
+from .pack import digest
 
 CACHE = Path(__file__).parent / "dist" / ".cache"
 ZIG_CACHE = Path(__file__).parent / "dist" / ".zig-cache"

@@ -6,8 +6,8 @@ from types import ModuleType
 
 import pythonfmu
 
-from .archive import digest
 from .description import Flavour
+from .pack import digest
 from .trace import Trace
 
 ROOT = Path(__file__).parent.parent
@@ -35,20 +35,20 @@ class {name}(ModelSlave):
 """
 
 
-def rooms(package: Path) -> set[Path]:
-    """`package` and every package of this project that its modules import, directly or not."""
+def modules(first: Path) -> set[Path]:
+    """`first` and the files of this project that it imports, directly or not."""
     found: set[Path] = set()
-    waiting = [package]
+    waiting = [first]
     while waiting:
-        room = waiting.pop()
-        if room in found:
+        file = waiting.pop()
+        if file in found or not file.is_file():
             continue
-        found.add(room)
-        for source in room.glob("*.py"):
-            for node in ast.walk(ast.parse(source.read_text())):
-                if isinstance(node, ast.ImportFrom) and node.level == 0 and node.module:
-                    imported = ROOT.joinpath(*node.module.split("."))
-                    waiting += [d for d in (imported, imported.parent) if (d / "__init__.py").exists() and d != ROOT]
+        found.add(file)
+        for node in ast.walk(ast.parse(file.read_text())):
+            if isinstance(node, ast.ImportFrom):
+                base = file.parents[node.level - 1] if node.level else ROOT
+                place = base.joinpath(*(node.module or "").split("."))
+                waiting += [place.with_suffix(".py"), *(place / f"{alias.name}.py" for alias in node.names)]
     return found
 
 
@@ -64,8 +64,7 @@ def resources(model: ModuleType) -> dict[str, bytes]:
     a hash of their content: two different builds never run each other's code.
     """
     assert model.__file__
-    sources = [path for room in rooms(Path(model.__file__).parent) for path in sorted(room.glob("*.py"))]
-    sources += [ROOT / name for name in RUNTIME]
+    sources = [*sorted(modules(Path(model.__file__))), *(ROOT / name for name in RUNTIME)]
     texts = {path.relative_to(ROOT).as_posix(): path.read_text() for path in sources}
     package = f"{model.NAME}_{digest({name: text.encode() for name, text in texts.items()})[:12]}"
     tops = {name.split("/")[0] for name in texts}

@@ -9,7 +9,7 @@ from evidence import fly
 from ahv_ctrl_fmu import backstepping_model, neural, neural_model
 from fmus import symbols
 from fmus.interface import names, variables
-from fmus.linearize import NoTrim, closed_loop, vehicle
+from fmus.linearize import NoTrim, linear_loop, vehicle
 from fmus.trace import symbol_namespace, trace
 
 SPEEDS, ALTITUDES = np.linspace(7500, 9500, 9), np.linspace(80000, 100000, 9)  # ft/s, ft
@@ -33,7 +33,7 @@ def gamma_zeros(V, h):
 def growth(model, gains, V=7700.0, h=85000.0, scale=None):
     """Largest real part (1/s) of the closed loop's poles but the reference filters'; NaN without an equilibrium."""
     try:
-        loop = closed_loop(model, gains, V, h, scale=scale)
+        loop = linear_loop(model, gains, V, h, scale=scale)
     except (NoTrim, np.linalg.LinAlgError):
         return np.nan
     poles = loop.cut().poles

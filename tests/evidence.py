@@ -5,14 +5,14 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from cosim import scenarios
-from cosim.algorithms import method
-from cosim.closed_loop import planned
-from cosim.flight import Flight, fly_loaded, tick_count
-from cosim.flight import fly as fly_system
-from cosim.master import Master, open_files
-from cosim.metrics import metrics
-from cosim.system import System
+from cosim.master.algorithms import method
+from cosim.master.flight import Flight, fly_loaded, tick_count
+from cosim.master.flight import fly as fly_system
+from cosim.master.loaded import Master, open_files
+from cosim.master.system import System
+from cosim.vehicle import scenarios
+from cosim.vehicle.closed_loop import planned
+from cosim.vehicle.metrics import metrics
 
 GROUPS = ("thrust", "lift", "drag", "moment", "forces")
 DEPARTED = 100.0  # ft: with a larger altitude error, a flight counts as lost

@@ -2,7 +2,7 @@
 from contextlib import contextmanager
 from pathlib import Path
 
-from cosim.fmu import FmuFile, Instance
+from cosim.master.fmu import FmuFile, Instance
 
 
 @contextmanager

@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 import ahv_ctrl_fmu.neural as law
 import ahv_ctrl_fmu.neural_model as controller
 import ahv_plant_fmu.model as plant
-import cosim.scenario.model as scenario
+import cosim.vehicle.scenario_model as scenario
 from ahv_plant_fmu.equations import derivative
 from fmus import floats, symbols
 

@@ -7,20 +7,20 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from .. import scenarios
-from ..algorithms import method
-from ..closed_loop import FLAVOURS, PLANTS, planned
 from ..errors import UsageError
-from ..flight import tick_count
-from ..master import open_files
-from ..scenarios import Scenario
-from ..system import System, Value
-from ..wiring import checked_connections, picked
+from ..master.algorithms import method
+from ..master.flight import tick_count
+from ..master.loaded import open_files
+from ..master.system import System, Value
+from ..master.wiring import checked_connections, picked
+from ..vehicle import scenarios
+from ..vehicle.closed_loop import FLAVOURS, PLANTS, planned
+from ..vehicle.scenarios import Scenario
 from .criteria import METRICS, metrics_of
+from .dispersions import Fmus, all_draws, all_mixings, checked, constants, with_values
 from .sampling import Draw, Sampler
-from .source import Source
 from .spec import Campaign, Law
-from .uncertain import Fmus, all_draws, all_mixings, checked, constants, with_values
+from .yaml_file import Source
 
 NEEDED = ["plant.h", "plant.V", "plant.h_true", "plant.V_true", "controller.h_reference", "controller.V_reference",
           "controller.elevator", "controller.fuel_ratio", "controller.phi_hat_1", "controller.phi_hat_2"]

@@ -8,8 +8,8 @@ from typing import Any
 import pyarrow.parquet as pq
 
 from . import charts
-from .again import command
 from .plan import Plan
+from .rerun import command
 from .statistics import Results, paired, with_differences
 from .store import Store
 

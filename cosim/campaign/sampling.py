@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ..system import Value
+from ..master.system import Value
 from .spec import Choice, Correlation, LogNormal, Normal, Uniform
 
 Scalar = Uniform | Normal | LogNormal | Choice

@@ -19,7 +19,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from ..errors import UsageError
-from ..results import prepare_folder
+from ..master.results import prepare_folder
 from .criteria import METRICS
 from .plan import Plan
 from .worker import Outcome

@@ -14,17 +14,17 @@ from typing import Any
 import numpy as np
 from distributed.diagnostics.plugin import WorkerPlugin
 
-from .. import fmu
-from ..algorithms import method
 from ..errors import RunError, UsageError
-from ..flight import Flight, fly_loaded
-from ..master import Master, open_files
-from ..metrics import metrics, truth
-from ..system import System, Value
+from ..master import fmu
+from ..master.algorithms import method
+from ..master.flight import Flight, fly_loaded
+from ..master.loaded import Master, open_files
+from ..master.system import System, Value
+from ..vehicle.metrics import metrics, truth
 from .criteria import METRICS, holds
+from .dispersions import with_values
 from .plan import Job
 from .sampling import draw, picked
-from .uncertain import with_values
 
 ENVELOPE_RUNS, ENVELOPE_POINTS = 2000, 100  # the first runs, whose errors over time are kept
 PATIENCE_S = 5.0  # a call that outlasts the timeout by this ends the worker

@@ -7,24 +7,22 @@
 Nothing heavy is imported here: the child processes that run the FMU import this package too.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from cosim.conformance.report import Report
+    from .report import Report
 
 __all__ = ["check"]
 
 
-def check(path: Path, dynamic: bool = True, time_limit: float = 30.0, cycles: int = 1000) -> Report:
+def check(path: Path, dynamic: bool = True, time_limit: float = 30.0, cycles: int = 1000) -> "Report":
     """Check one FMU against the rules of FMI 2.0.x (sections 2.1 to 2.3 and 4.1 to 4.3).
 
     `dynamic` also runs the FMU, in child processes. `time_limit` is how many seconds a single call of the FMU may take
     before it counts as hanging; `cycles` is how many lives of an instance the search for memory leaks takes (fewer for
     slow FMUs, which the report then says). Nothing is written outside of a temporary folder, which is removed.
     """
-    from cosim.conformance.checker import check as run  # the child must not import lxml and fmpy
+    from .checker import check as run  # the child must not import lxml and fmpy
 
     return run(path, dynamic, time_limit, cycles)

@@ -1,15 +1,13 @@
 """python -m cosim.conformance FMU...: the tables of the check, for working on the checker itself."""
 
-from __future__ import annotations
-
 import sys
 import time
 from pathlib import Path
 
 import rich
 
-from cosim.conformance import check
-from cosim.conformance.report import findings_table, not_tested_table
+from . import check
+from .report import findings_table, not_tested_table
 
 
 def main(files: list[str]) -> int:

@@ -4,8 +4,6 @@ Only what section 2.3 needs: the processor, the word size, and the names of the 
 tables which it does not hold raises `BadBinary`.
 """
 
-from __future__ import annotations
-
 import struct
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,23 +1,14 @@
 """The check itself: unpack, read, apply the static rules, run the probes, and leave nothing behind."""
 
-from __future__ import annotations
-
 import tempfile
 from pathlib import Path
 
-from cosim.archive import BadArchive, safe_extract
-from cosim.conformance import (  # noqa: F401  (the rules_* modules register their rules)
-    dynamic,
-    rules_archive,
-    rules_dynamic,
-    rules_header,
-    rules_structure,
-    rules_units,
-    rules_variables,
-)
-from cosim.conformance.context import Fmu, Unusable, read
-from cosim.conformance.report import Finding, Report
-from cosim.conformance.rules import STATIC_CHECKS, Fault
+from ..master.unpack import BadArchive, safe_extract
+from . import dynamic, rules  # noqa: F401  (importing the rules registers them)
+from .reading import Unusable, read
+from .report import Finding, Report
+from .rule import STATIC_CHECKS
+from .subject import Fault, Fmu
 
 
 def check(path: Path, run_probes: bool, time_limit: float, cycles: int) -> Report:

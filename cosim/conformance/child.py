@@ -6,15 +6,13 @@ A crash or a hang ends this process only; the parent then knows the probe from t
 the mark, and starts a new child for the probes that are left.
 """
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 
-from cosim.conformance import probes_faults, probes_life, probes_state  # noqa: F401  (they register the probes)
-from cosim.conformance.bench import PROBES, Bench, CallFailed, NoInstance
-from cosim.conformance.fmi2 import DISCARD, FATAL, PENDING, Mark
-from cosim.conformance.job import Job
+from . import probes  # noqa: F401  (importing the probes registers them)
+from .fmi2 import DISCARD, FATAL, PENDING, Mark
+from .job import Job
+from .probes.bench import PROBES, Bench, CallFailed, NoInstance
 
 
 def main(job_file: str, results: str, mark: str) -> None:

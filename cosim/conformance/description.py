@@ -4,8 +4,6 @@ The defaults are those of FMI 2.0.x section 2.2.7: causality "local", variabilit
 `initial` when it is absent.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field

@@ -4,8 +4,6 @@ The child (child.py) writes one JSON line for each event; when it dies or stops 
 probe and the mark names the call, and a new child takes the probes that are left.
 """
 
-from __future__ import annotations
-
 import contextlib
 import json
 import os
@@ -17,14 +15,14 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
-from cosim.conformance import probes_faults, probes_life, probes_state  # noqa: F401  (they register the probes)
-from cosim.conformance.bench import PROBES
-from cosim.conformance.context import Fmu
-from cosim.conformance.description import Variable, integer, number
-from cosim.conformance.fmi2 import MARK_BYTES, Mark
-from cosim.conformance.job import Job, Known
-from cosim.conformance.report import Finding, Report
-from cosim.conformance.rules import ERROR, WARNING, Fault
+from . import probes  # noqa: F401  (importing the probes registers them)
+from .description import Variable, integer, number
+from .fmi2 import MARK_BYTES, Mark
+from .job import Job, Known
+from .probes.bench import PROBES
+from .report import Finding, Report
+from .rule import ERROR, WARNING
+from .subject import Fault, Fmu
 
 _POLL = 0.05
 _SLOW = 4  # a probe that moves on, but takes longer than this many time limits, is left

@@ -4,8 +4,6 @@ Runs in the child process only. Before each call its name and a counter go to a 
 knows which call crashed or hangs. Sections 2.1 and 4.2 give the signatures.
 """
 
-from __future__ import annotations
-
 import ctypes
 import mmap
 import os
@@ -100,7 +98,7 @@ class Library:
         function.restype = c_char_p
         return (function() or b"").decode("utf-8", "replace")
 
-    def instantiate(self, name: str, guid: str, resources: str, logging_on: bool = False) -> Instance | None:
+    def instantiate(self, name: str, guid: str, resources: str, logging_on: bool = False) -> "Instance | None":
         """fmi2Instantiate (2.1.5); None when the FMU returned a null pointer."""
         messages: Counter[tuple[int, str]] = Counter()
 

@@ -1,7 +1,5 @@
 """What the parent tells the child about the FMU under test, as plain data that travels as JSON."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -45,7 +43,7 @@ class Job:
         return json.dumps(asdict(self))
 
     @staticmethod
-    def read(file: Path) -> Job:
+    def read(file: Path) -> "Job":
         data = json.loads(file.read_text("utf-8"))
         data["variables"] = [Known(**variable) for variable in data["variables"]]
         return Job(**data)

@@ -1,7 +1,5 @@
 """Finding what occurs more than once: half of the rules of section 2.2 say that something is unique."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Hashable, Iterable
 from typing import TypeVar

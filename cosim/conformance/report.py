@@ -1,7 +1,5 @@
 """What a check hands back: findings, what was not tested, and two ways to show them (a table, a JSON-able dict)."""
 
-from __future__ import annotations
-
 from collections import Counter
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -9,7 +7,8 @@ from typing import Any
 
 from rich.table import Table
 
-from cosim.conformance.rules import ERROR, RULES, SEVERITIES, Fault
+from .rule import ERROR, RULES, SEVERITIES
+from .subject import Fault
 
 _COLOURS = {"error": "bold red", "warning": "yellow", "note": "dim"}
 

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from ..archive import BadArchive, safe_extract
 from ..errors import UsageError
+from ..master.unpack import BadArchive, safe_extract
 
 
 @contextmanager

@@ -5,13 +5,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..errors import UsageError
-from ..fmu import FmuFile
-from ..system import Component, Connection, System, Value
+from ..master.fmu import FmuFile
+from ..master.system import Component, Connection, System, Value
 from .archive import unpacked
+from .connections import Tracer
 from .parameters import Given, bound, inside
 from .structure import Path_, Point, Structure, called, nearest, read, shown
 from .units import Unit, conversion, unit_of_variable
-from .wiring import Tracer
 from .xml import SSD, parse
 
 SSD_FILE = "SystemStructure.ssd"

@@ -6,7 +6,7 @@ from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
 from ..errors import UsageError
-from ..system import Value
+from ..master.system import Value
 from .structure import Element, Path_, Point, Structure, converts, linear, shown, units
 from .units import Unit, conversion
 from .xml import SSD, SSM, SSV, Node, parse, short, valid

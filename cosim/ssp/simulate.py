@@ -3,9 +3,9 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import UsageError
-from ..flight import progress_bar
-from ..isolated import fly_isolated
-from ..results import prepare_folder, write
+from ..master.flight import progress_bar
+from ..master.isolated import fly_isolated
+from ..master.results import prepare_folder, write
 from .load import loaded
 from .notes import note
 

@@ -9,9 +9,9 @@ from collections.abc import Iterable
 from pathlib import Path
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
-from ..fmu import FmuFile
-from ..master import open_files
-from ..system import Component, System, Value
+from ..master.fmu import FmuFile
+from ..master.loaded import open_files
+from ..master.system import Component, System, Value
 from . import archive
 from .units import BASE, Unit, unit_of_variable
 

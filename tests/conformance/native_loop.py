@@ -7,7 +7,7 @@ from pathlib import Path
 import fmpy
 from fmpy.fmi2 import FMU2Slave
 
-import cosim.scenario.model as scenario
+import cosim.vehicle.scenario_model as scenario
 
 COMMANDS = ["V_command", "h_command"]
 SCALES = ["scale_thrust", "scale_lift", "scale_drag", "scale_moment", "scale_forces"]

@@ -8,13 +8,13 @@ from claims import ENVELOPE, MODELS, adapted_states, bounds, differentiator_pole
 from evidence import GROUPS
 
 from ahv_ctrl_fmu import neural
-from ahv_ctrl_fmu.interface import NOMINAL_VEHICLE
 from ahv_ctrl_fmu.neural_model import PRESETS
+from ahv_ctrl_fmu.ports import NOMINAL_VEHICLE
 from ahv_plant_fmu.equations import thrust_slope
 from ahv_plant_fmu.trim import level_trim
 from fmus import floats
 from fmus.linear_report import preset_gains
-from fmus.linearize import closed_loop, vehicle
+from fmus.linearize import linear_loop, vehicle
 
 STABLE_PRESETS = ("calibrated", "steady", "coupled")
 
@@ -76,9 +76,9 @@ def test_elevator_to_flight_path_is_non_minimum_phase_over_the_envelope():
 
 def test_the_printed_loop_is_unstable_ours_is_stable_about_the_first_trim():
     for preset, stable in (("printed", False), ("calibrated", True), ("steady", True), ("coupled", True)):
-        loop = closed_loop("AhvController", preset_gains("AhvController", preset), 7700, 85000)
+        loop = linear_loop("AhvController", preset_gains("AhvController", preset), 7700, 85000)
         assert (np.abs(np.linalg.eigvals(loop.cut().A)).max() < 1) == stable
-    printed = closed_loop("AhvController", preset_gains("AhvController", "printed"), 7700, 85000).cut().poles
+    printed = linear_loop("AhvController", preset_gains("AhvController", "printed"), 7700, 85000).cut().poles
     assert printed.real.max() == pytest.approx(3.33, abs=0.01)
 
 

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from test_cases import ahv
 
-from cosim.compare import settling
+from cosim.vehicle.compare import settling
 
 
 @pytest.fixture(scope="module", params=["case1", "case2"])

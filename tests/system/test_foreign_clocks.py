@@ -6,11 +6,11 @@ import pytest
 from test_cases import ahv
 from test_foreign_masters import STEP, theirs
 
-from cosim.fmu import Instance
-from cosim.initialise import initialise
-from cosim.master import open_files
+from cosim.master.fmu import Instance
+from cosim.master.initialise import initialise
+from cosim.master.loaded import open_files
+from cosim.master.wiring import checked_connections
 from cosim.ssp.load import loaded
-from cosim.wiring import checked_connections
 
 TICKS = 2000
 

@@ -7,8 +7,8 @@ from scipy.linalg import expm
 from small_fmus import small
 
 from cosim.errors import UsageError
-from cosim.flight import fly
-from cosim.system import Component, Connection, System
+from cosim.master.flight import fly
+from cosim.master.system import Component, Connection, System
 
 STOP = 2.0
 

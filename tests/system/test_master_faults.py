@@ -8,11 +8,11 @@ import psutil
 import pytest
 from small_fmus import small
 
-from cosim.algorithms import method
 from cosim.errors import RunError, UsageError
-from cosim.flight import fly, fly_loaded
-from cosim.isolated import fly_isolated
-from cosim.master import Master, open_files
+from cosim.master.algorithms import method
+from cosim.master.flight import fly, fly_loaded
+from cosim.master.isolated import fly_isolated
+from cosim.master.loaded import Master, open_files
 
 AT = 0.74
 

@@ -3,9 +3,10 @@ import numpy as np
 import pytest
 from small_fmus import small
 
-from cosim.flight import fly
-from cosim.fmu import FmuFile
-from cosim.system import Component, closed_loop
+from cosim.master.flight import fly
+from cosim.master.fmu import FmuFile
+from cosim.master.system import Component
+from cosim.vehicle.closed_loop import wired
 
 ALGORITHMS = ["gauss-seidel", "jacobi", "jacobi,hold=linear", "gauss-seidel,hold=linear", "multi-rate,{slow}=5",
               "multi-rate,{slow}=2,hold=linear", "iterated", "variable,tolerance=1e-4"]
@@ -20,7 +21,7 @@ def component(name, path, preset):
 
 
 def loop(fmus, case):
-    return closed_loop(component("scenario", fmus["AhvScenario"], case),
+    return wired(component("scenario", fmus["AhvScenario"], case),
                        component("controller", fmus["AhvController"], "calibrated"),
                        Component("plant", fmus["AhvPlant"]))
 

@@ -10,10 +10,10 @@ import pytest
 from small_fmus import small
 
 from cosim.errors import RunError, UsageError
-from cosim.flight import fly
-from cosim.recording import Stream
+from cosim.master.flight import fly
+from cosim.master.recording import Stream
+from cosim.master.system import Component, Connection, System
 from cosim.ssp.write import write
-from cosim.system import Component, Connection, System
 
 
 @pytest.fixture(scope="module")
@@ -105,8 +105,8 @@ def test_fifty_fmus(build, closed):
 
 
 def test_a_stream_has_every_row_and_memory_a_part(build, tmp_path, monkeypatch):
-    monkeypatch.setattr("cosim.recording.GROUP_ROWS", 1000)
-    monkeypatch.setattr("cosim.recording.KEPT_ROWS", 100)
+    monkeypatch.setattr("cosim.master.recording.GROUP_ROWS", 1000)
+    monkeypatch.setattr("cosim.master.recording.KEPT_ROWS", 100)
     system = small.pair(build())
     whole = fly(system, 0.01, 200.0)
     part = fly(system, 0.01, 200.0, stream=tmp_path / "signals.parquet")

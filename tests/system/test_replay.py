@@ -4,7 +4,7 @@ from contextlib import ExitStack
 import pytest
 from flying import running, step
 
-from cosim.system import CLOSED_LOOP
+from cosim.vehicle.closed_loop import CLOSED_LOOP
 
 ORDER = {"scenario": "AhvScenario", "controller": "AhvController", "plant": "AhvPlant"}
 STEP, SAVED_AT, UNTIL = 0.01, 3700, 5500  # ticks: t = 37 s, and past the first change of coefficients

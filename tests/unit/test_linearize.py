@@ -8,7 +8,7 @@ from ahv_plant_fmu.equations import derivative
 from ahv_plant_fmu.trim import NOMINAL
 from fmus import floats
 from fmus.linear_report import preset_gains
-from fmus.linearize import ACTUATORS, GROUPS, SENSORS, NoTrim, closed_loop, values_of, vehicle, vehicle_trim
+from fmus.linearize import ACTUATORS, GROUPS, SENSORS, NoTrim, linear_loop, values_of, vehicle, vehicle_trim
 from fmus.margins import frequencies, margins, response
 
 LAWS = {"neural": "AhvController", "backstepping": "AhvBackstepping"}
@@ -43,7 +43,7 @@ def test_the_closed_loop_answers_a_small_command_as_the_flight_does(law):
     command = 0.01  # ft: small enough for lines to be straight
     flown = [fly("hold", law, values={"scenario": {"h_command_step": step}}, stop=20)["plant.h"]
              for step in (0.0, command)]  # the neural law moves a little by itself, until its estimates have settled
-    loop = closed_loop(LAWS[law], preset_gains(LAWS[law], "calibrated"), 7700, 85000)
+    loop = linear_loop(LAWS[law], preset_gains(LAWS[law], "calibrated"), 7700, 85000)
     system = loop.cut()
     x = np.zeros(len(system.A))
     h = [0.0]
@@ -55,7 +55,7 @@ def test_the_closed_loop_answers_a_small_command_as_the_flight_does(law):
 
 @pytest.mark.parametrize("law", LAWS)
 def test_a_loop_is_stable_just_inside_its_gain_margins_and_unstable_just_outside(law):
-    loop = closed_loop(LAWS[law], preset_gains(LAWS[law], "calibrated"), 7700, 85000)
+    loop = linear_loop(LAWS[law], preset_gains(LAWS[law], "calibrated"), 7700, 85000)
     checked = 0
     for name, found in loop.margins().items():
         place = {"actuator": ACTUATORS.index(name)} if name in ACTUATORS else {"sensor": SENSORS.index(name)}
@@ -90,6 +90,6 @@ def test_margins_of_a_loop_known_by_hand():
 def test_where_there_is_no_equilibrium_it_is_said():
     gains = preset_gains("AhvController", "calibrated")
     with pytest.raises(NoTrim, match="equilibrium"):
-        closed_loop("AhvController", gains, 7500, 105000)
+        linear_loop("AhvController", gains, 7500, 105000)
     with pytest.raises(ValueError, match="no parameter wings"):
         vehicle(7700, 85000, wings=2.0)

@@ -4,7 +4,7 @@ import random
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cosim.dependencies import looped, strongly_connected
+from cosim.master.dependencies import looped, strongly_connected
 
 GRAPHS = st.integers(1, 12).flatmap(lambda n: st.lists(st.tuples(st.integers(0, n - 1), st.integers(0, n - 1))).map(
     lambda edges: {i: [b for a, b in edges if a == i] for i in range(n)}))

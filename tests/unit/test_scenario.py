@@ -4,7 +4,7 @@ from math import pi, sin
 import pytest
 from oracle import starts
 
-import cosim.scenario.model as scenario
+import cosim.vehicle.scenario_model as scenario
 from fmus import floats
 
 

@@ -23,7 +23,7 @@ from check_cases import CASES, Case  # noqa: E402
 from check_fixture import members, write  # noqa: E402
 
 from cosim.conformance import check  # noqa: E402
-from cosim.conformance.rules import RULES  # noqa: E402
+from cosim.conformance.rule import RULES  # noqa: E402
 
 _PATIENCE = 15.0  # seconds for fmpy to simulate an FMU
 _TOOLS = ("fmpy", "fmutool", "ours")

@@ -13,8 +13,8 @@ from check_fixture import library, write
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from cosim.archive import BadArchive, safe_extract
 from cosim.conformance.binary import BadBinary, read_library
+from cosim.master.unpack import BadArchive, safe_extract
 
 
 def test_contents_arrive_unchanged(tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ from check_cases import ARCHIVE, CASES, DYNAMIC, STATIC, Case
 from cosim.conformance import check
 from cosim.conformance.checker import check as _loaded  # noqa: F401  (registers all rules)
 from cosim.conformance.report import Report
-from cosim.conformance.rules import RULES
+from cosim.conformance.rule import RULES
 
 # Crashes after a master's mistake, and a discarded step, are no clear breach.
 MILDER = {

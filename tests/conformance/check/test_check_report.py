@@ -14,7 +14,7 @@ from rich.console import Console
 
 from cosim.conformance import check
 from cosim.conformance.report import findings_table, not_tested_table, to_dict
-from cosim.conformance.rules import RULES
+from cosim.conformance.rule import RULES
 
 
 def test_json_has_the_documented_keys(tmp_path: Path) -> None:

@@ -1,0 +1,123 @@
+"""What is uncertain, checked against the FMUs: the file's dispersions as a list of draws."""
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+
+from ..errors import UsageError
+from ..master.fmu import FmuFile
+from ..master.system import System, Value
+from .sampling import Draw, Mixing, mixing
+from .spec import Campaign, Choice, Dispersion, Sinusoid
+from .yaml_file import Source
+
+Fmus = Mapping[str, FmuFile]  # component -> its file
+SINE = {"amplitude": "_sine", "period": "_sine_omega", "phase": "_sine_phase"}
+
+
+def checked(files: Fmus, name: str, value: Value) -> Value:
+    """`FmuFile.checked` of a component.variable."""
+    component, _, variable = name.partition(".")
+    if component not in files:
+        raise UsageError(f"There is no component {component}; there are {', '.join(files)}.")
+    return files[component].checked(variable, value, component)
+
+
+def on_signal(files: Fmus, name: str, suffix: str = "_base") -> str | None:
+    """The parameter of a scenario signal; None if `name` is no such signal."""
+    component, _, variable = name.partition(".")
+    known = files[component].variables if component in files else {}
+    is_signal = variable in known and known[variable].causality == "output" and variable + suffix in known
+    return name + suffix if is_signal else None
+
+
+def all_draws(source: Source, campaign: Campaign, system: System, files: Fmus) -> tuple[Draw, ...]:
+    """Every uncertain number, in the order of the file.
+
+    Raises UsageError for a variable that cannot be set, is set twice, or may not have such values.
+    """
+    found: list[Draw] = []
+    taken: dict[str, str] = {}
+    for name, dispersion in campaign.dispersions.items():
+        with source.at("dispersions", name):
+            for one in draws_of(name, dispersion, system, files):
+                values = ends(one)
+                for target in one.targets:
+                    if target in taken:
+                        raise UsageError(f"{target} is set by {taken[target]} already.")
+                    taken[target] = name
+                    for value in values:
+                        checked(files, target, value)
+                found.append(one)
+    if not found:
+        source.fail(("dispersions",), "nothing in it is drawn")
+    return tuple(found)
+
+
+def draws_of(name: str, dispersion: Dispersion, system: System, files: Fmus) -> list[Draw]:
+    if isinstance(dispersion, Sinusoid):
+        if on_signal(files, name, "_sine_omega") is None:
+            signals = ", ".join(f"scenario.{n}" for n in files["scenario"].names("output"))
+            raise UsageError(f"{name} is no signal of the scenario; there are {signals}.")
+        return [Draw(name + suffix, (name + suffix,), part, period=key == "period")
+                for key, suffix in SINE.items() if not isinstance(part := getattr(dispersion, key), float)]
+    targets = tuple(on_signal(files, n) or n for n in (name, *dispersion.also))
+    factor = nominal(system, files, targets[0]) if dispersion.relative else None
+    return [Draw(targets[0], targets, dispersion, factor)]
+
+
+def nominal(system: System, files: Fmus, name: str) -> float:
+    """The value of a number that nothing disperses."""
+    component, _, variable = name.partition(".")
+    for c in system.components:
+        if c.name == component:
+            value = c.values.get(variable, files[component].variable(variable).start)
+            return float(checked(files, name, value if value is not None else 0.0))
+    raise UsageError(f"There is no component {component}; there are {', '.join(files)}.")
+
+
+def ends(one: Draw) -> list[Value]:
+    """Values of the draw that must be allowed."""
+    try:
+        found = one.extremes()
+        if not one.period or all(isinstance(x, float) and 0 < x < math.inf for x in found):
+            return found
+    except (ZeroDivisionError, ValueError):
+        pass
+    raise UsageError("a period must be above 0.")
+
+
+def constants(source: Source, campaign: Campaign, files: Fmus) -> dict[str, Value]:
+    """Those numbers of sinusoids that are not drawn."""
+    fixed: dict[str, Value] = {}
+    for name, dispersion in campaign.dispersions.items():
+        for key, suffix in SINE.items() if isinstance(dispersion, Sinusoid) else ():
+            number = getattr(dispersion, key)
+            if isinstance(number, float):
+                with source.at("dispersions", name, key):
+                    value = 2 * math.pi / number if key == "period" else number
+                    fixed[name + suffix] = checked(files, name + suffix, value)
+    return fixed
+
+
+def with_values(system: System, values: Mapping[str, Value]) -> System:
+    """`system` with values for component.variable."""
+    return replace(system, components=tuple(c.with_values(
+        {name.partition(".")[2]: x for name, x in values.items() if name.partition(".")[0] == c.name})
+        for c in system.components))
+
+
+def all_mixings(source: Source, campaign: Campaign, draws: tuple[Draw, ...]) -> tuple[Mixing, ...]:
+    """Raises UsageError for groups that overlap, name what is not drawn, or cannot be."""
+    names = [d.name for d in draws]
+    found: list[Mixing] = []
+    for i, group in enumerate(campaign.correlations):
+        with source.at("correlations", i):
+            one = mixing(group, names)
+            both = {names[m] for m in one.members} & {names[m] for other in found for m in other.members}
+            if both:
+                raise UsageError(f"{min(both)} is in two correlated groups.")
+            words = [names[m] for m in one.members if isinstance(draws[m].distribution, Choice)]
+            if words:
+                raise UsageError(f"{words[0]} is a choice and has no order to correlate by.")
+        found.append(one)
+    return tuple(found)

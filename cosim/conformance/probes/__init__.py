@@ -1,0 +1,2 @@
+"""All probes. Adding one: write it in the file of its subject; importing this package registers it."""
+from . import faults, life, state  # noqa: F401

@@ -1,0 +1,252 @@
+"""The bench on which probes run an FMU: legal lives, recorded trajectories, and a place to report to.
+
+A legal life is that of section 4.2.4: instantiate, set up, initialize, steps, terminate, free. A legal call that fails
+raises `CallFailed`, which the child turns into a finding.
+"""
+
+import json
+import struct
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import NamedTuple
+
+from ..fmi2 import PENDING, STATUS, WARNING, Instance, Library, Mark, Value
+from ..job import Job, Known
+
+STEPS = 20
+BASES = ("Real", "Integer", "Boolean", "String")
+
+
+class CallFailed(Exception):
+    """A legal call was refused."""
+
+    def __init__(self, call: str, status: int, where: str) -> None:
+        super().__init__(f"{call} returned {status_name(status)} {where}")
+        self.call = call
+        self.status = status
+
+
+class NoInstance(Exception):
+    """fmi2Instantiate returned a null pointer although the GUID was right."""
+
+
+class Probe(NamedTuple):
+    """`legal`: all its calls are legal, so a crash is the FMU's fault beyond doubt; `many`: needs several instances."""
+
+    name: str
+    run: "Run"
+    legal: bool
+    many: bool
+
+
+PROBES: dict[str, Probe] = {}
+
+
+def probe(name: str, legal: bool = True, many: bool = False) -> "Callable[[Run], Run]":
+    """Register a probe; probes run in the order of registration."""
+
+    def register(run: Run) -> Run:
+        PROBES[name] = Probe(name, run, legal, many)
+        return run
+
+    return register
+
+
+def status_name(status: int) -> str:
+    return STATUS[status] if 0 <= status < len(STATUS) else f"the unknown status {status}"
+
+
+Row = tuple[Value, ...]
+
+
+@dataclass(frozen=True)
+class Difference:
+    """Where two trajectories part."""
+
+    variable: str
+    text: str
+
+
+class Bench:
+    """One loaded FMU in the child process."""
+
+    def __init__(self, job: Job, mark: Mark, results: Path) -> None:
+        self.job = job
+        self._results = results
+        self._mark = mark
+        self._pending: list[Instance] = []
+
+    @cached_property
+    def library(self) -> Library:
+        return Library(Path(self.job.library), self._mark)
+
+    # reporting ---------------------------------------------------------------------------------------------------
+
+    def fault(self, rule: str, variable: str, found: str, expected: str, severity: str | None = None) -> None:
+        self._write({"rule": rule, "fault": [variable, found, expected], "severity": severity})
+
+    def skip(self, what: str, why: str) -> None:
+        self._write({"skip": [what, why]})
+
+    def note(self, event: str, name: str) -> None:
+        self._write({event: name})
+
+    def _write(self, line: dict[str, object]) -> None:
+        with self._results.open("a", encoding="utf-8") as file:
+            file.write(json.dumps(line) + "\n")
+
+    # legal lives -------------------------------------------------------------------------------------------------
+
+    @contextmanager
+    def instance(self, logging_on: bool = False) -> Iterator[Instance]:
+        """A fresh instance, freed at the end whatever happens."""
+        made = self.library.instantiate("checked", self.job.guid, self.job.resources, logging_on)
+        if made is None:
+            raise NoInstance
+        try:
+            yield made
+        finally:
+            made.free()
+
+    def initialize(self, fmu: Instance, stop: float | None = None) -> None:
+        self.expect(fmu.setup(self.job.start, stop), "fmi2SetupExperiment", "in the state instantiated")
+        self.expect(fmu.call("EnterInitializationMode"), "fmi2EnterInitializationMode", "after fmi2SetupExperiment")
+        self.expect(fmu.call("ExitInitializationMode"), "fmi2ExitInitializationMode", "in initialization mode")
+
+    def step(self, fmu: Instance, number: int, size: float | None = None) -> None:
+        time = self.time(number)
+        self.expect(fmu.step(time, size or self.job.step), "fmi2DoStep", f"at time {time:g}")
+
+    def expect(self, status: int, call: str, where: str) -> None:
+        """Raise unless the status says that the legal call worked."""
+        if status == PENDING and self.job.claims.get("canRunAsynchronuously"):
+            raise CallFailed(call, status, f"{where} (asynchronous steps are not tested)")
+        if status > WARNING or status < 0:
+            raise CallFailed(call, status, where)
+
+    def time(self, number: int) -> float:
+        return self.job.start + number * self.job.step
+
+    @property
+    def is_single(self) -> bool:
+        """Whether the FMU claims that a process may instantiate it once only."""
+        return bool(self.job.claims.get("canBeInstantiatedOnlyOncePerProcess"))
+
+    @property
+    def steps(self) -> int:
+        """How many steps a run takes: not beyond the default stop time."""
+        if self.job.stop is None or self.job.stop <= self.job.start:
+            return STEPS
+        return max(2, min(STEPS, int((self.job.stop - self.job.start) / self.job.step + 1e-9)))
+
+    # trajectories ------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def recorded(self) -> list[Known]:
+        """What a trajectory holds: everything that the FMU computes."""
+        return [v for v in self.job.variables if v.causality in ("output", "local", "calculatedParameter")]
+
+    def row(self, fmu: Instance, variables: list[Known] | None = None) -> Row:
+        """Read variables, one call per type."""
+        values: dict[str, Value] = {}
+        for base in BASES:
+            group = [v for v in (self.recorded if variables is None else variables) if v.base == base]
+            if group:
+                status, got = fmu.get(base, [v.reference for v in group])
+                self.expect(status, f"fmi2Get{base}", "after a step")
+                values.update((v.name, value) for v, value in zip(group, got, strict=True))
+        return tuple(values.get(v.name) for v in (self.recorded if variables is None else variables))
+
+    def advance(self, fmu: Instance, first: int, last: int, excite: bool | None = None) -> list[Row]:
+        """Steps number first to last-1, with the test's small movements of the inputs, and what they give."""
+        rows = []
+        for number in range(first, last):
+            if self.excitable if excite is None else excite:
+                self._excite(fmu, number)
+            self.step(fmu, number)
+            rows.append(self.row(fmu))
+        return rows
+
+    def run(self, fmu: Instance, excite: bool | None = None) -> list[Row]:
+        """A whole run of an initialized or fresh instance, from initialization on."""
+        self.initialize(fmu)
+        return self.advance(fmu, 0, self.steps, excite)
+
+    def readings(self, fmu: Instance, variables: list[Known]) -> list[tuple[Known, Value]]:
+        """Read variables one by one, leaving out what the FMU refuses (which the probe "read" reports)."""
+        answers = [(v, fmu.get(v.base, [v.reference])) for v in variables if not self.library.is_corrupt]
+        return [(v, values[0]) for v, (status, values) in answers if status <= WARNING]
+
+    def prepare(self) -> None:
+        """Make the runs that others are compared with, before a probe has an instance of its own."""
+        if not self.is_single:
+            _ = self.is_deterministic
+
+    @cached_property
+    def first_run(self) -> list[Row]:
+        """The run that others are compared with."""
+        excite = self.excitable
+        with self.instance() as fmu:
+            return self.run(fmu, excite)
+
+    @cached_property
+    def second_run(self) -> list[Row]:
+        """The same run of another instance."""
+        with self.instance() as fmu:
+            return self.run(fmu)
+
+    @cached_property
+    def is_deterministic(self) -> bool:
+        """Whether two runs agree to the last bit; without that, replays cannot be judged."""
+        return self.is_single or self.difference(self.first_run, self.second_run) is None
+
+    @cached_property
+    def excitable(self) -> bool:
+        """Whether the FMU bears small movements of its inputs; if not, runs keep them at their start values."""
+        if not self.moving_inputs or self.is_single:
+            return False
+        try:
+            with self.instance() as fmu:
+                self.run(fmu, excite=True)
+        except CallFailed:
+            return False
+        return True
+
+    @cached_property
+    def moving_inputs(self) -> list[Known]:
+        return [v for v in self.job.variables if v.causality == "input" and v.base == "Real"]
+
+    def _excite(self, fmu: Instance, number: int) -> None:
+        """Move every Real input by up to a hundredth of its scale around its start value, always in the same way."""
+        values = [moved(v, ((number * 7) % 5 - 2) / 2) for v in self.moving_inputs]
+        self.expect(fmu.set("Real", [v.reference for v in self.moving_inputs], values), "fmi2SetReal", "on the inputs")
+
+    def difference(self, first: list[Row], second: list[Row], offset: int = 0) -> Difference | None:
+        """The first value that differs, to the last bit, between two runs."""
+        for number, (one, two) in enumerate(zip(first, second, strict=False)):
+            for v, a, b in zip(self.recorded, one, two, strict=True):
+                if bits(a) != bits(b):
+                    return Difference(v.name, f"{b!r} instead of {a!r} at time {self.time(number + offset + 1):g}")
+        return None
+
+
+def moved(v: Known, share: float) -> float:
+    """The start value of a Real moved by `share` hundredths of its scale, kept between min and max."""
+    start = float(v.start or 0.0)
+    scale = v.nominal or abs(start) or 1.0
+    if v.low is not None and v.high is not None:
+        scale = min(scale, v.high - v.low)
+    value = start + 0.01 * scale * share
+    value = value if v.low is None else max(v.low, value)
+    return value if v.high is None else min(v.high, value)
+
+
+def bits(value: Value) -> object:
+    """A value so that equal means equal to the last bit, also for NaN and for -0.0."""
+    return struct.pack("<d", value) if isinstance(value, float) else value
+
+
+Run = Callable[[Bench], None]

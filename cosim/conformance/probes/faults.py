@@ -1,0 +1,202 @@
+"""Probes of how an FMU bears a master's mistakes.
+
+FMI 2.0 makes the master responsible for these calls, so bearing them badly is no error. But an FMU that refuses them is
+easier to trust, and one that crashes takes its master with it.
+"""
+
+import math
+from collections.abc import Callable
+from functools import partial
+
+from ..fmi2 import WARNING, Instance, Value
+from ..job import Known
+from .bench import BASES, Bench, Row, probe, status_name
+from .life import may_set
+
+
+@probe("guid", legal=False)
+def guid(bench: Bench) -> None:
+    """2.1.5: the GUID serves to check that XML file and binary belong together."""
+    wrong = "00000000-dead-beef-0000-000000000000"
+    made = bench.library.instantiate("checked", wrong, bench.job.resources)
+    if made is not None:
+        made.free()
+        bench.fault("dynamic.guid", "fmi2Instantiate", f"an instance for the wrong GUID '{wrong}'", "a null pointer")
+
+
+def _before_setup(bench: Bench, fmu: Instance) -> None:
+    """Leave the instance as it is."""
+
+
+def _initializing(bench: Bench, fmu: Instance) -> None:
+    bench.expect(fmu.setup(bench.job.start), "fmi2SetupExperiment", "in the state instantiated")
+    bench.expect(fmu.call("EnterInitializationMode"), "fmi2EnterInitializationMode", "after fmi2SetupExperiment")
+
+
+def _stepping(bench: Bench, fmu: Instance) -> None:
+    bench.initialize(fmu)
+    bench.step(fmu, 0)
+
+
+def _terminated(bench: Bench, fmu: Instance) -> None:
+    _stepping(bench, fmu)
+    bench.expect(fmu.call("Terminate"), "fmi2Terminate", "after a step")
+
+
+def _do_step(bench: Bench, fmu: Instance) -> int:
+    return fmu.step(bench.job.start, bench.job.step)
+
+
+def _call(name: str, _bench: Bench, fmu: Instance) -> int:
+    return fmu.call(name)
+
+
+def _set_up(bench: Bench, fmu: Instance) -> int:
+    return fmu.setup(bench.job.start)
+
+
+# Section 4.2.4, the table of allowed calls: (what is called, in which state, how to get there, the call).
+_FORBIDDEN: tuple[tuple[str, str, Callable[[Bench, Instance], None], Callable[[Bench, Instance], int]], ...] = (
+    ("fmi2DoStep", "instantiated", _before_setup, _do_step),
+    ("fmi2ExitInitializationMode", "instantiated", _before_setup, partial(_call, "ExitInitializationMode")),
+    ("fmi2DoStep", "initialization mode", _initializing, _do_step),
+    ("fmi2EnterInitializationMode", "initialization mode", _initializing, partial(_call, "EnterInitializationMode")),
+    ("fmi2SetupExperiment", "step complete", _stepping, _set_up),
+    ("fmi2EnterInitializationMode", "step complete", _stepping, partial(_call, "EnterInitializationMode")),
+    ("fmi2DoStep", "terminated", _terminated, _do_step),
+)
+
+
+def _try_forbidden(call: str, state: str, arrive: Callable, act: Callable, bench: Bench) -> None:
+    with bench.instance() as fmu:
+        arrive(bench, fmu)
+        status = act(bench, fmu)
+        if status <= WARNING:
+            found = f"{status_name(status)} in the state '{state}', where the call is not allowed"
+            bench.fault("dynamic.call-order", call, found, "fmi2Error")
+
+
+for _forbidden in _FORBIDDEN:
+    probe(f"call-order: {_forbidden[0]} when {_forbidden[1]}", legal=False)(partial(_try_forbidden, *_forbidden))
+
+
+def _try_step_size(size: float, rule: str, bench: Bench) -> None:
+    """4.2.2: the communication step size must be above zero."""
+    with bench.instance() as fmu:
+        _stepping(bench, fmu)
+        status = fmu.step(bench.time(1), size)
+        if status <= WARNING:
+            found = f"{status_name(status)} for a communication step of {size:g}"
+            bench.fault(rule, "fmi2DoStep", found, "fmi2Error: the step must be above 0")
+
+
+for _name, _size in (("zero", 0.0), ("negative", -1e-3), ("nan", math.nan)):
+    _rule = "dynamic.zero-step" if _name == "zero" else "dynamic.bad-step"
+    probe(f"step-size: {_name}", legal=False)(partial(_try_step_size, _size, _rule))
+
+
+def _try_unknown(base: str, setting: bool, bench: Bench) -> None:
+    """2.1.7: a value reference that no variable of this type has."""
+    used = {v.reference for v in bench.job.variables}
+    unknown = next(reference for reference in range(987654321, 2**31) if reference not in used)
+    value: Value = b"" if base == "String" else 0
+    with bench.instance() as fmu:
+        _stepping(bench, fmu)
+        status = fmu.set(base, [unknown], [value]) if setting else fmu.get(base, [unknown])[0]
+        if status <= WARNING:
+            call = f"fmi2{'Set' if setting else 'Get'}{base}"
+            found = f"{status_name(status)} for the value reference {unknown}, which no variable has"
+            bench.fault("dynamic.unknown-reference", call, found, "fmi2Error")
+
+
+for _base in BASES:
+    for _setting in (False, True):
+        probe(f"unknown-reference: {'Set' if _setting else 'Get'}{_base}", legal=False)(
+            partial(_try_unknown, _base, _setting)
+        )
+
+
+def _forbidden_writes(bench: Bench) -> list[Known]:
+    """One variable of each kind that may not be set between steps: the first of each causality and variability."""
+    kinds: dict[tuple[str, str], Known] = {}
+    for v in bench.job.variables:
+        if not may_set(v, "step complete") and v.base != "String":
+            kinds.setdefault((v.causality, v.variability), v)
+    return list(kinds.values())
+
+
+@probe("forbidden-write", legal=False)
+def forbidden_write(bench: Bench) -> None:
+    """2.2.7, 4.2.4: constants, fixed parameters, outputs and locals cannot be set between steps."""
+    for v in _forbidden_writes(bench):
+        if bench.library.is_corrupt:
+            bench.skip("setting what may not be set, further variables", "the FMU answered the first with fmi2Fatal")
+            return
+        with bench.instance() as fmu:
+            _stepping(bench, fmu)
+            _, before = fmu.get(v.base, [v.reference])
+            status = fmu.set(v.base, [v.reference], before)
+            if status <= WARNING:
+                found = f"fmi2Set{v.base} returned {status_name(status)} between steps"
+                bench.fault("dynamic.forbidden-write", v.name, found, f"fmi2Error: a {v.variability} {v.causality}")
+
+
+@probe("nonfinite", many=True)
+def nonfinite(bench: Bench) -> None:
+    """2.1.7: NaN and infinite inputs do no lasting harm: after a reset the first run is there again."""
+    if not bench.moving_inputs:
+        bench.skip("non-finite inputs", "there is no Real input")
+        return
+    bench.prepare()
+    for value in (math.nan, math.inf):
+        with bench.instance() as fmu:
+            if _poison(bench, fmu, value):
+                _expect_first_run(bench, fmu, value)
+        if bench.library.is_corrupt:
+            return
+
+
+def _poison(bench: Bench, fmu: Instance, value: float) -> bool:
+    """Set the value on every Real input and step; false when the instance cannot be used further."""
+    bench.initialize(fmu)
+    references = [v.reference for v in bench.moving_inputs]
+    accepted = fmu.set("Real", references, [value] * len(references)) <= WARNING
+    if accepted and fmu.step(bench.job.start, bench.job.step) <= WARNING:
+        spoiled = [v.name for v, got in zip(bench.recorded, bench.row(fmu), strict=True) if _is_bad(got)]
+        if spoiled:
+            found = f"{value:g} on the inputs gives fmi2OK and non-finite values ({len(spoiled)} variables)"
+            bench.fault("dynamic.nonfinite-input", spoiled[0], found, "fmi2Error or fmi2Discard, or finite values")
+    return not bench.library.is_corrupt
+
+
+def _is_bad(value: Value) -> bool:
+    return isinstance(value, float) and not math.isfinite(value)
+
+
+def _expect_first_run(bench: Bench, fmu: Instance, value: float) -> None:
+    bench.expect(fmu.call("Reset"), "fmi2Reset", f"after {value:g} on the inputs")
+    rows: list[Row] = bench.run(fmu)
+    different = bench.difference(bench.first_run, rows)
+    if different and bench.is_deterministic:
+        found = f"{different.text}, in a run after {value:g} on the inputs and fmi2Reset"
+        bench.fault("dynamic.nonfinite-reset", different.variable, found, "the first run again")
+
+
+@probe("stop-time", legal=False)
+def stop_time(bench: Bench) -> None:
+    """2.1.6: with a stop time defined, steps up to it work and a step beyond it returns fmi2Error."""
+    bench.prepare()
+    count = min(bench.steps, 5)
+    with bench.instance() as fmu:
+        bench.initialize(fmu, stop=bench.time(count))
+        for number in range(count):
+            status = fmu.step(bench.time(number), bench.job.step)
+            if status > WARNING:
+                found = f"{status_name(status)} for the step to {bench.time(number + 1):g}"
+                expected = f"fmi2OK up to the stop time {bench.time(count):g}"
+                bench.fault("dynamic.stop-early", "fmi2DoStep", found, expected)
+                return
+        status = fmu.step(bench.time(count), bench.job.step)
+        if status <= WARNING:
+            found = f"{status_name(status)} for a step beyond the stop time {bench.time(count):g}"
+            bench.fault("dynamic.stop-time", "fmi2DoStep", found, "fmi2Error")

@@ -1,0 +1,263 @@
+"""Probes of what every FMU must be able to do: load, live, be read, be written, start again. All calls are legal."""
+
+import math
+
+from ..fmi2 import WARNING, Instance, Value
+from ..job import Known
+from .bench import Bench, bits, moved, probe, status_name
+
+
+@probe("load")
+def load(bench: Bench) -> None:
+    """2.1.4: the library loads and says which version it is of."""
+    version = bench.library.text("fmi2GetVersion")
+    if version != "2.0":
+        bench.fault("dynamic.version", "fmi2GetVersion", f"'{version}'", "'2.0'")
+    platform = bench.library.text("fmi2GetTypesPlatform")
+    if platform != "default":
+        bench.fault("dynamic.types-platform", "fmi2GetTypesPlatform", f"'{platform}'", "'default'")
+
+
+@probe("life")
+def life(bench: Bench) -> None:
+    """4.2.4: a whole life with inputs at their start values, and a second one after a reset in initialization mode."""
+    with bench.instance() as fmu:
+        bench.run(fmu, excite=False)
+        bench.expect(fmu.call("Terminate"), "fmi2Terminate", "after the last step")
+
+
+@probe("free-null")
+def free_null(bench: Bench) -> None:
+    """2.1.5: fmi2FreeInstance ignores a null pointer."""
+    bench.library.free(None)
+
+
+@probe("start-values")
+def start_values(bench: Bench) -> None:
+    """2.2.7: constants, parameters, inputs and what has initial "exact" begin with the start value of the XML file."""
+    exact = [v for v in bench.job.variables if v.start is not None and (v.initial == "exact" or v.causality == "input")]
+    with bench.instance() as fmu:
+        bench.initialize(fmu)
+        for v, value in bench.readings(fmu, exact):
+            if not _same(value, v.start):
+                bench.fault("dynamic.start-value", v.name, f"{_shown(value)} after initialization", _shown(v.start))
+
+
+def _same(value: Value, start: Value) -> bool:
+    if isinstance(value, float) and isinstance(start, (int, float)):
+        return math.isclose(value, start, rel_tol=1e-6, abs_tol=1e-12)  # the XML may hold fewer digits
+    return _shown(value) == _shown(start)
+
+
+def _shown(value: Value) -> str:
+    return value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
+
+
+@probe("read")
+def read(bench: Bench) -> None:
+    """2.1.7, 4.2.4: outputs in initialization mode, everything between steps and after fmi2Terminate."""
+    with bench.instance() as fmu:
+        bench.expect(fmu.setup(bench.job.start), "fmi2SetupExperiment", "in the state instantiated")
+        bench.expect(fmu.call("EnterInitializationMode"), "fmi2EnterInitializationMode", "after fmi2SetupExperiment")
+        outputs = [v for v in bench.job.variables if v.causality == "output"]
+        _read_each(bench, fmu, outputs, "in initialization mode")
+        bench.expect(fmu.call("ExitInitializationMode"), "fmi2ExitInitializationMode", "in initialization mode")
+        _read_each(bench, fmu, bench.job.variables, "after initialization")
+        bench.step(fmu, 0)
+        _read_each(bench, fmu, bench.job.variables, "after a step")
+        bench.expect(fmu.call("Terminate"), "fmi2Terminate", "after a step")
+        _read_each(bench, fmu, bench.job.variables, "after fmi2Terminate")
+
+
+def _read_each(bench: Bench, fmu: Instance, variables: list[Known], where: str) -> None:
+    for v in variables:
+        if bench.library.is_corrupt:
+            return
+        status, values = fmu.get(v.base, [v.reference])
+        if status > WARNING:
+            bench.fault("dynamic.read", v.name, f"fmi2Get{v.base} returned {status_name(status)} {where}", "fmi2OK")
+        elif v.base == "String":
+            _check_string(bench, v, values[0], where)
+
+
+def _check_string(bench: Bench, v: Known, value: Value, where: str) -> None:
+    if value is None:
+        bench.fault("dynamic.string", v.name, f"a null pointer {where}", "a string in UTF-8, perhaps empty")
+    elif isinstance(value, bytes):
+        try:
+            value.decode("utf-8")
+        except UnicodeDecodeError:
+            bench.fault("dynamic.string", v.name, f"{value!r} {where}", "a string in UTF-8")
+
+
+@probe("values")
+def values(bench: Bench) -> None:
+    """2.2.3, 2.2.7: values are what their type, their range and their variability allow."""
+    numbers = [v for v in bench.job.variables if v.base != "String"]
+    with bench.instance() as fmu:
+        bench.initialize(fmu)
+        first = bench.readings(fmu, numbers)
+        bench.advance(fmu, 0, bench.steps, excite=False)
+        last = bench.readings(fmu, numbers)
+    for (v, before), (_, after) in zip(first, last, strict=False):
+        _check_value(bench, v, after)
+        if v.variability in ("constant", "fixed", "tunable") and bits(before) != bits(after):
+            found = f"{before!r} after initialization, {after!r} after {bench.steps} steps"
+            bench.fault("dynamic.data-changes", v.name, found, f"one value: the variable is {v.variability}")
+        if v.causality == "independent" and isinstance(after, float):
+            _check_time(bench, v, after)
+
+
+def _check_time(bench: Bench, v: Known, value: float) -> None:
+    expected = bench.time(bench.steps)
+    if abs(value - expected) > 1e-6 * max(bench.job.step, abs(expected)):
+        bench.fault("dynamic.time", v.name, f"{value!r} after {bench.steps} steps", f"{expected:g}, the time")
+
+
+def _check_value(bench: Bench, v: Known, value: Value) -> None:
+    if not isinstance(value, (int, float)):
+        return
+    if not math.isfinite(value):
+        bench.fault("dynamic.finite", v.name, f"{value!r} in a run with all inputs at their start", "a finite number")
+    elif v.base == "Boolean" and value not in (0, 1):
+        bench.fault("dynamic.range", v.name, f"{value}", "fmi2False (0) or fmi2True (1)")
+    elif v.items and value not in v.items:
+        bench.fault("dynamic.range", v.name, f"{value}", f"one of {', '.join(map(str, v.items))}")
+    elif _is_outside(v, value):
+        low = "-inf" if v.low is None else f"{v.low:g}"
+        high = "inf" if v.high is None else f"{v.high:g}"
+        severity = "note" if v.base == "Real" else None  # for a Real, min and max are information (2.2.3)
+        bench.fault("dynamic.range", v.name, f"{value!r}", f"{low} to {high}", severity)
+
+
+def _is_outside(v: Known, value: float) -> bool:
+    slack = 1e-6 * max(abs(v.low or 0.0), abs(v.high or 0.0), 1e-3) if v.base == "Real" else 0.0
+    return (v.low is not None and value < v.low - slack) or (v.high is not None and value > v.high + slack)
+
+
+def may_set(v: Known, mode: str) -> bool:
+    """Section 4.2.4, footnotes of the table: which variables may be set in a mode."""
+    if v.variability == "constant" or v.causality == "independent":
+        return False
+    if mode == "instantiated":
+        return v.causality == "input" or v.initial in ("exact", "approx")
+    if mode == "initialization mode":
+        return v.causality == "input" or v.initial == "exact"
+    return v.causality == "input" or (v.causality == "parameter" and v.variability == "tunable")
+
+
+@probe("write")
+def write(bench: Bench) -> None:
+    """2.1.7, 4.2.4: what may be set can be set, to its start value, in each mode where that is allowed."""
+    with bench.instance() as fmu:
+        _write_each(bench, fmu, "instantiated")
+        bench.expect(fmu.setup(bench.job.start), "fmi2SetupExperiment", "in the state instantiated")
+        bench.expect(fmu.call("EnterInitializationMode"), "fmi2EnterInitializationMode", "after fmi2SetupExperiment")
+        _write_each(bench, fmu, "initialization mode")
+        bench.expect(fmu.call("ExitInitializationMode"), "fmi2ExitInitializationMode", "in initialization mode")
+        _write_each(bench, fmu, "step complete")
+        bench.step(fmu, 0)
+        _write_each(bench, fmu, "step complete")
+
+
+def _write_each(bench: Bench, fmu: Instance, mode: str) -> None:
+    for v in bench.job.variables:
+        if v.start is None or not may_set(v, mode) or bench.library.is_corrupt:
+            continue
+        value = v.start.encode() if isinstance(v.start, str) else v.start
+        status = fmu.set(v.base, [v.reference], [value])
+        if status > WARNING:
+            found = f"fmi2Set{v.base} to {v.start!r} returned {status_name(status)} in mode '{mode}'"
+            bench.fault("dynamic.write", v.name, found, "fmi2OK")
+
+
+@probe("write-read")
+def write_read(bench: Bench) -> None:
+    """2.1.7: a Real parameter or input that was set before initialization holds that value after it."""
+    candidates = [v for v in bench.job.variables if v.base == "Real" and v.causality in ("parameter", "input")]
+    with bench.instance() as fmu:
+        targets = [v for v in candidates if fmu.set("Real", [v.reference], [moved(v, 0.5)]) <= WARNING]
+        bench.expect(fmu.setup(bench.job.start), "fmi2SetupExperiment", "in the state instantiated")
+        if fmu.call("EnterInitializationMode") > WARNING or fmu.call("ExitInitializationMode") > WARNING:
+            return  # the FMU need not bear these values
+        for v, value in bench.readings(fmu, targets):
+            if not _same(value, moved(v, 0.5)):
+                found = f"{value!r} after it was set to {moved(v, 0.5)!r} before initialization"
+                bench.fault("dynamic.write-ignored", v.name, found, "the value that was set")
+
+
+@probe("deterministic", many=True)
+def deterministic(bench: Bench) -> None:
+    """Two runs of two fresh instances give the same bits."""
+    different = bench.difference(bench.first_run, bench.second_run)
+    if different:
+        bench.fault("dynamic.deterministic", different.variable, different.text, "the same bits in every run")
+        bench.skip("replays (reset, restored state, other instances)", "two runs of the FMU differ anyway")
+
+
+@probe("reset")
+def reset(bench: Bench) -> None:
+    """2.1.6: fmi2Reset brings back the state after fmi2Instantiate, so the second run is the first again."""
+    bench.prepare()
+    with bench.instance() as fmu:
+        first = bench.run(fmu)
+        bench.expect(fmu.call("Terminate"), "fmi2Terminate", "after the last step")
+        bench.expect(fmu.call("Reset"), "fmi2Reset", "after fmi2Terminate")
+        second = bench.run(fmu)
+        bench.expect(fmu.call("Reset"), "fmi2Reset", "after a step")
+        third = bench.run(fmu)
+    for other in (second, third):
+        different = bench.difference(first, other)
+        if different and bench.is_deterministic:
+            bench.fault("dynamic.reset-replay", different.variable, different.text, "the first run again")
+            return
+
+
+@probe("twice", many=True)
+def twice(bench: Bench) -> None:
+    """2.1.5: two instances exist at a time, and neither sees what happens to the other."""
+    bench.prepare()
+    with bench.instance() as fmu:
+        other = bench.library.instantiate("other", bench.job.guid, bench.job.resources)
+        if other is None:
+            bench.fault("dynamic.second-instance", "fmi2Instantiate", "a null pointer beside another", "an instance")
+            return
+        rows = _interleaved(bench, fmu, other)
+        other.free()
+        rows += bench.advance(fmu, bench.steps // 2, bench.steps)
+        different = bench.difference(bench.first_run, rows)
+    if different and bench.is_deterministic:
+        bench.fault("dynamic.isolation", different.variable, different.text, "what it gives alone")
+
+
+def _interleaved(bench: Bench, fmu: Instance, other: Instance) -> list[tuple[Value, ...]]:
+    """Half a run of `fmu`, while `other` is initialized with other values and steps in between."""
+    for v in bench.job.variables:
+        if v.base == "Real" and v.causality in ("parameter", "input"):
+            other.set("Real", [v.reference], [moved(v, 1.0)])
+    bench.initialize(fmu)
+    other.setup(bench.job.start)
+    alive = other.call("EnterInitializationMode") <= WARNING and other.call("ExitInitializationMode") <= WARNING
+    rows = []
+    for number in range(bench.steps // 2):
+        alive = alive and other.step(bench.time(number), bench.job.step) <= WARNING
+        rows += bench.advance(fmu, number, number + 1)
+    return rows
+
+
+@probe("logging")
+def logging(bench: Bench) -> None:
+    """2.1.5, 2.2.4: the listed log categories can be switched on, and no others are used."""
+    with bench.instance() as fmu:
+        bench.run(fmu, excite=False)
+        chatter = {category: count for (status, category), count in fmu.messages.items() if status == 0}
+        if chatter:
+            found = f"{sum(chatter.values())} messages of status fmi2OK, categories {', '.join(sorted(chatter))}"
+            bench.fault("dynamic.log-off", "fmi2Instantiate", found, "no such messages when loggingOn is fmi2False")
+    with bench.instance(logging_on=True) as fmu:
+        status = fmu.set_debug_logging(True, bench.job.categories)
+        bench.expect(status, "fmi2SetDebugLogging", "with the categories of the XML file")
+        bench.run(fmu, excite=False)
+        unknown = sorted({category for _, category in fmu.messages} - set(bench.job.categories))
+        if unknown and bench.job.categories:
+            bench.fault("dynamic.log-category", unknown[0], "a category that is not listed", "one of LogCategories")

@@ -1,0 +1,104 @@
+"""An unpacked FMU as the rules see it, and the careful reading of its modelDescription.xml (sections 2.2 and 2.3)."""
+
+from pathlib import Path
+from xml.parsers import expat
+
+import fmpy
+from lxml import etree
+
+from .description import Description
+from .rule import ERROR, declare
+from .subject import Fault, Fmu
+
+declare("archive.readable", "2.3", ERROR, "The FMU is a zip file that can be read to its end.")
+declare("archive.paths", "2.3", ERROR, "No member of the archive leads outside of it.")
+declare("archive.size", "2.3", ERROR, "The archive unpacks to a size that can be handled.")
+declare("archive.encrypted", "2.3", ERROR, "No member of the archive is encrypted.")
+declare("archive.compression", "2.3", ERROR, "Members are stored or compressed by deflate.")
+declare("archive.model-description", "2.3", ERROR, "modelDescription.xml is at the root of the archive.")
+declare("xml.well-formed", "2.2", ERROR, "modelDescription.xml is well-formed XML.")
+declare("xml.entities", "2.2", ERROR, "modelDescription.xml needs no document type: no entities, no external files.")
+declare("xml.schema", "2.2", ERROR, "modelDescription.xml is valid against fmi2ModelDescription.xsd.")
+declare("xml.fmi-version", "2.2.1", ERROR, "fmiVersion is 2.0 (this checker knows no other version).")
+
+
+class Unusable(Exception):
+    """The FMU cannot be judged any further; carries the rule and the fault that say why."""
+
+    def __init__(self, rule: str, fault: Fault) -> None:
+        super().__init__(fault.found)
+        self.rule = rule
+        self.fault = fault
+
+
+def read(path: Path, folder: Path, members: list[str]) -> Fmu:
+    """Read the FMU unpacked in `folder`; raise `Unusable` when no description can be had."""
+    xml = _model_description(folder, members)
+    encoding = _look_at_prolog(xml)
+    parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False, remove_comments=True)
+    try:
+        root = etree.fromstring(xml, parser)
+    except etree.XMLSyntaxError as problem:
+        raise Unusable("xml.well-formed", Fault("modelDescription.xml", str(problem), "well-formed XML")) from None
+    version = root.get("fmiVersion")
+    if root.tag == "fmiModelDescription" and version is not None and version.strip() != "2.0":
+        raise Unusable("xml.fmi-version", Fault("fmiVersion", f"'{version}'", "'2.0'"))
+    return Fmu(path, folder, members, Description(root), encoding, _schema_faults(root))
+
+
+def _model_description(folder: Path, members: list[str]) -> bytes:
+    file = folder / "modelDescription.xml"
+    if file.is_file():
+        return file.read_bytes()
+    elsewhere = [name for name in members if name.lower().endswith("modeldescription.xml")]
+    found = f"only '{elsewhere[0]}'" if elsewhere else "no such file"
+    raise Unusable(
+        "archive.model-description", Fault("modelDescription.xml", found, "modelDescription.xml at the archive's root")
+    )
+
+
+class _RootReached(Exception):
+    """Ends the look at the prolog."""
+
+
+def _look_at_prolog(xml: bytes) -> str | None:
+    """Return the declared encoding; refuse entities and external document types before any parser expands them."""
+    declared: list[str | None] = [None]
+
+    def declaration(_version: str, encoding: str | None, _standalone: int) -> None:
+        declared[0] = encoding
+
+    def entity(name: str, *_: object) -> None:
+        raise Unusable(
+            "xml.entities", Fault("modelDescription.xml", f"the entity '{name}' is declared", "no entity declarations")
+        )
+
+    def doctype(_name: str, system: str | None, *_: object) -> None:
+        if system:
+            found = f"a document type that refers to '{system}'"
+            raise Unusable("xml.entities", Fault("modelDescription.xml", found, "no reference to other files"))
+
+    def root(*_: object) -> None:
+        raise _RootReached
+
+    parser = expat.ParserCreate()
+    parser.XmlDeclHandler = declaration
+    parser.EntityDeclHandler = entity
+    parser.StartDoctypeDeclHandler = doctype
+    parser.StartElementHandler = root
+    try:
+        parser.Parse(xml, True)
+    except _RootReached:
+        pass
+    except expat.ExpatError:
+        pass  # the XML parser proper reports this better
+    return declared[0]
+
+
+def _schema_faults(root: etree._Element) -> list[Fault]:
+    file = Path(fmpy.__file__).parent / "schema" / "fmi2" / "fmi2ModelDescription.xsd"
+    schema = etree.XMLSchema(etree.parse(str(file)))
+    schema.validate(root)
+    return [
+        Fault(f"line {entry.line}", entry.message, "what fmi2ModelDescription.xsd allows") for entry in schema.error_log
+    ]

@@ -1,0 +1,184 @@
+"""Section 2.3 (FMU distribution): the archive's layout, binaries, sources and documentation."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from ..binary import BadBinary, Library, read_library
+from ..repeats import repeated
+from ..rule import ERROR, NOTE, WARNING, static
+from ..subject import Fault, Fmu
+
+# Folder below binaries/ -> (suffix, operating system, allowed processors).
+PLATFORMS: dict[str, tuple[str, str, frozenset[str]]] = {
+    "win32": (".dll", "windows", frozenset({"x86"})),
+    "win64": (".dll", "windows", frozenset({"x86_64"})),
+    "linux32": (".so", "linux", frozenset({"x86"})),
+    "linux64": (".so", "linux", frozenset({"x86_64"})),
+    "darwin32": (".dylib", "darwin", frozenset({"x86"})),
+    "darwin64": (".dylib", "darwin", frozenset({"x86_64", "aarch64"})),
+}
+
+# Sections 2.1 and 4.2: what the header fmi2Functions.h exports for every FMU, and for co-simulation.
+_ALWAYS = """GetTypesPlatform GetVersion SetDebugLogging Instantiate FreeInstance SetupExperiment
+    EnterInitializationMode ExitInitializationMode Terminate Reset GetReal GetInteger GetBoolean GetString SetReal
+    SetInteger SetBoolean SetString DoStep GetStatus GetRealStatus GetIntegerStatus GetBooleanStatus GetStringStatus"""
+_BY_FLAG = {  # capability flag of 4.3.1 -> functions that are of use only if it is set
+    "canGetAndSetFMUstate": "GetFMUstate SetFMUstate FreeFMUstate",
+    "canSerializeFMUstate": "SerializedFMUstateSize SerializeFMUstate DeSerializeFMUstate",
+    "providesDirectionalDerivative": "GetDirectionalDerivative",
+    "canInterpolateInputs": "SetRealInputDerivatives",
+    "maxOutputDerivativeOrder": "GetRealOutputDerivatives",
+    "canRunAsynchronuously": "CancelStep",
+}
+
+_KNOWN_ENTRIES = {
+    *("modelDescription.xml", "model.png", "binaries", "sources", "resources", "documentation"),
+    *("licenses", "extra", "terminalsAndIcons"),
+}
+_SOURCE_SUFFIXES = {".c", ".cc", ".cpp", ".cxx"}
+
+
+def _platform_folders(fmu: Fmu) -> list[Path]:
+    folder = fmu.folder / "binaries"
+    return sorted(path for path in folder.iterdir() if path.is_dir()) if folder.is_dir() else []
+
+
+def _has_sources(fmu: Fmu) -> bool:
+    return any(path.suffix.lower() in _SOURCE_SUFFIXES for path in (fmu.folder / "sources").glob("**/*"))
+
+
+@static("archive.extension", "2.3", ERROR, "The file's name ends in .fmu.")
+def extension(fmu: Fmu) -> Iterator[Fault]:
+    if fmu.path.suffix.lower() != ".fmu":
+        yield Fault(fmu.path.name, f"extension '{fmu.path.suffix}'", "extension '.fmu'")
+
+
+@static("archive.backslash", "2.3", ERROR, "Paths in the archive are separated by '/'.")
+def backslash(fmu: Fmu) -> Iterator[Fault]:
+    for name in fmu.members:
+        if "\\" in name:
+            yield Fault(name, "a backslash in the path", "'/' as separator")
+            return
+
+
+@static("archive.unique", "2.3", WARNING, "No two members differ in the case of their letters only, or not at all.")
+def unique_members(fmu: Fmu) -> Iterator[Fault]:
+    for name, count in repeated(name.lower() for name in fmu.members):
+        yield Fault(name, f"{count} members of this name", "one (some file systems ignore case)")
+
+
+@static("archive.entries", "2.3", NOTE, "The archive's root holds what section 2.3 names.")
+def entries(fmu: Fmu) -> Iterator[Fault]:
+    tops = {name.replace("\\", "/").split("/")[0] for name in fmu.members}
+    for name in sorted(tops - _KNOWN_ENTRIES):
+        yield Fault(name, "an entry that the specification does not name", "resources/ for whatever the FMU needs")
+
+
+@static("archive.model-png", "2.3", WARNING, "model.png is a PNG image.")
+def model_png(fmu: Fmu) -> Iterator[Fault]:
+    file = fmu.folder / "model.png"
+    if file.is_file() and not file.read_bytes().startswith(b"\x89PNG\r\n\x1a\n"):
+        yield Fault("model.png", "a file that does not begin like a PNG image", "a PNG image")
+
+
+@static("archive.documentation", "2.3", NOTE, "documentation/ has an entry page.")
+def documentation(fmu: Fmu) -> Iterator[Fault]:
+    folder = fmu.folder / "documentation"
+    if folder.is_dir() and not any((folder / page).is_file() for page in ("index.html", "_main.html")):
+        yield Fault("documentation", "no index.html", "documentation/index.html")
+
+
+@static("binary.present", "2.3", ERROR, "There is a binary for at least one platform, or source code.")
+def binary_present(fmu: Fmu) -> Iterator[Fault]:
+    files = [path for folder in _platform_folders(fmu) for path in folder.iterdir()]
+    if not files and not _has_sources(fmu):
+        yield Fault("binaries", "neither binaries nor sources", "a shared library, or sources to compile")
+
+
+@static("binary.platform", "2.3", NOTE, "Platform folders have the names of the specification.")
+def binary_platform(fmu: Fmu) -> Iterator[Fault]:
+    for folder in _platform_folders(fmu):
+        if folder.name not in PLATFORMS:
+            yield Fault(f"binaries/{folder.name}", "a name that few tools look for", ", ".join(PLATFORMS))
+
+
+@static("binary.name", "2.3", ERROR, "The binary of a platform is named after modelIdentifier.")
+def binary_name(fmu: Fmu) -> Iterator[Fault]:
+    for folder in _platform_folders(fmu):
+        known = PLATFORMS.get(folder.name)
+        there = sorted(path.name for path in folder.iterdir())
+        if known and fmu.identifier and there and f"{fmu.identifier}{known[0]}" not in there:
+            expected = f"binaries/{folder.name}/{fmu.identifier}{known[0]}"
+            yield Fault(f"binaries/{folder.name}", f"only {', '.join(there[:3])}", expected)
+
+
+def _libraries(fmu: Fmu) -> Iterator[tuple[str, Library | BadBinary]]:
+    for folder in _platform_folders(fmu):
+        known = PLATFORMS.get(folder.name)
+        file = folder / f"{fmu.identifier}{known[0] if known else ''}"
+        if known and file.is_file():
+            try:
+                yield folder.name, read_library(file)
+            except BadBinary as problem:
+                yield folder.name, problem
+
+
+@static("binary.format", "2.3", ERROR, "A binary is a shared library for its folder's system and processor.")
+def binary_format(fmu: Fmu) -> Iterator[Fault]:
+    for platform, library in _libraries(fmu):
+        _, system, machines = PLATFORMS[platform]
+        expected = f"a shared library for {system}, {' or '.join(sorted(machines))}"
+        if isinstance(library, BadBinary):
+            yield Fault(f"binaries/{platform}", f"not a usable library: {library}", expected)
+        elif library.system != system or not library.machines & machines:
+            yield Fault(f"binaries/{platform}", f"a library for {_made_for(library)}", expected)
+
+
+def _made_for(library: Library) -> str:
+    return f"{library.system}, {' and '.join(sorted(library.machines))}"
+
+
+def _functions(fmu: Fmu, claimed: bool) -> list[str]:
+    """The functions that the FMU must export, or those that it need not have because of what it does not claim."""
+    names = _ALWAYS.split() if claimed else []
+    for flag, functions in _BY_FLAG.items():
+        is_claimed = (fmu.description.co_simulation or {}).get(flag, "false").strip() not in ("false", "0")
+        if is_claimed == claimed:
+            names += functions.split()
+    return [f"fmi2{name}" for name in names]
+
+
+def _not_exported(fmu: Fmu, functions: list[str]) -> Iterator[Fault]:
+    for platform, library in _libraries(fmu):
+        if isinstance(library, BadBinary) or fmu.description.co_simulation is None:
+            continue
+        missing = [name for name in functions if name not in library.exports]
+        prefixed = [name for name in missing if f"{fmu.identifier}_{name}" in library.exports]
+        hint = f" (it exports {fmu.identifier}_{prefixed[0]})" if prefixed else ""
+        if missing:
+            found = f"without {', '.join(missing[:4])}{', ...' if len(missing) > 4 else ''}{hint}"
+            yield Fault(f"binaries/{platform}", found, f"{len(functions)} functions of fmi2Functions.h")
+
+
+@static("binary.exports", "4.2", ERROR, "A binary exports every function that co-simulation and its claims need.")
+def binary_exports(fmu: Fmu) -> Iterator[Fault]:
+    yield from _not_exported(fmu, _functions(fmu, claimed=True))
+
+
+@static("binary.exports-all", "4.2", WARNING, "A binary also exports the functions of what it does not claim.")
+def binary_exports_all(fmu: Fmu) -> Iterator[Fault]:
+    yield from _not_exported(fmu, _functions(fmu, claimed=False))
+
+
+@static("source.listed", "4.3.1", ERROR, "Every file of SourceFiles is in sources/.")
+def source_listed(fmu: Fmu) -> Iterator[Fault]:
+    for file in fmu.description.root.iterfind("CoSimulation/SourceFiles/File"):
+        name = file.get("name", "")
+        if f"sources/{name}" not in fmu.members:
+            yield Fault(f"sources/{name}", "listed in SourceFiles, not in the archive", "the file")
+
+
+@static("source.list", "4.3.1", NOTE, "Source code comes with a list of the files to compile.")
+def source_list(fmu: Fmu) -> Iterator[Fault]:
+    if _has_sources(fmu) and fmu.description.root.find("*/SourceFiles/File") is None:
+        yield Fault("sources", "source files without SourceFiles in modelDescription.xml", "<SourceFiles>")

@@ -1,0 +1,185 @@
+"""Section 2.2.8 (ModelStructure): outputs, derivatives, initial unknowns and what they depend on."""
+
+from collections.abc import Iterator
+from itertools import pairwise
+
+from ..description import CAUSALITIES, Unknown, Variable
+from ..repeats import repeated
+from ..rule import ERROR, NOTE, WARNING, static
+from ..subject import Fault, Fmu
+
+
+def _named(fmu: Fmu, tag: str, unknown: Unknown) -> str:
+    variable = fmu.description.variable(unknown.index)
+    return f"{tag}: {variable.name if variable else unknown.index}"
+
+
+@static("structure.index", "2.2.8", ERROR, "Every entry is the index of a variable.")
+def index(fmu: Fmu) -> Iterator[Fault]:
+    for tag, unknown in fmu.description.structure:
+        if unknown.index is not None and fmu.description.variable(unknown.index) is None:
+            yield Fault(tag, f"index {unknown.index}", f"an index from 1 to {len(fmu.description.variables)}")
+
+
+@static("structure.unique", "2.2.8", ERROR, "No list names a variable twice.")
+def unique(fmu: Fmu) -> Iterator[Fault]:
+    for tag in ("Outputs", "Derivatives", "InitialUnknowns"):
+        for number, count in repeated(u.index for t, u in fmu.description.structure if t == tag):
+            variable = fmu.description.variable(number)
+            yield Fault(f"{tag}: {variable.name if variable else number}", f"{count} entries", "one")
+
+
+@static("structure.outputs-complete", "2.2.8", ERROR, "Outputs lists every variable of causality output.")
+def outputs_complete(fmu: Fmu) -> Iterator[Fault]:
+    listed = {unknown.index for unknown in fmu.description.outputs}
+    for v in fmu.description.variables:
+        if v.causality == "output" and v.index not in listed:
+            yield Fault(v.name, "an output that is not in Outputs", f'<Unknown index="{v.index}"/> in Outputs')
+
+
+@static("structure.outputs-only", "2.2.8", ERROR, "Outputs lists nothing but variables of causality output.")
+def outputs_only(fmu: Fmu) -> Iterator[Fault]:
+    for unknown in fmu.description.outputs:
+        variable = fmu.description.variable(unknown.index)
+        if variable is not None and variable.causality != "output":
+            yield Fault(variable.name, f"a {variable.causality} in Outputs", "outputs only")
+
+
+@static("structure.derivative", "2.2.8", ERROR, "Every entry of Derivatives has the attribute `derivative`.")
+def derivative(fmu: Fmu) -> Iterator[Fault]:
+    for unknown in fmu.description.derivatives:
+        variable = fmu.description.variable(unknown.index)
+        if variable is not None and "derivative" not in variable.own:
+            yield Fault(variable.name, "in Derivatives without attribute `derivative`", "the index of its state")
+
+
+@static("structure.state", "2.2.8", ERROR, "A continuous state is a local or an output.")
+def state(fmu: Fmu) -> Iterator[Fault]:
+    for number in sorted(fmu.description.states):
+        variable = fmu.description.variable(number)
+        if variable is not None and variable.causality not in ("local", "output"):
+            yield Fault(variable.name, f"a state of causality {variable.causality}", "causality local or output")
+
+
+def _initial_unknowns(fmu: Fmu) -> list[Variable]:
+    """What InitialUnknowns must list (2.2.8): outputs, calculated parameters, states and derivatives, unless exact."""
+    of_states = fmu.description.states | {unknown.index for unknown in fmu.description.derivatives}
+    return [
+        v
+        for v in fmu.description.variables
+        if v.causality == "calculatedParameter"
+        or (v.initial in ("approx", "calculated") and (v.causality == "output" or v.index in of_states))
+    ]
+
+
+@static("structure.initial-complete", "2.2.8", ERROR, "InitialUnknowns lists every unknown of the initialization.")
+def initial_complete(fmu: Fmu) -> Iterator[Fault]:
+    listed = {unknown.index for unknown in fmu.description.initial_unknowns}
+    for v in _initial_unknowns(fmu):
+        if v.index not in listed:
+            expected = f'<Unknown index="{v.index}"/> in InitialUnknowns'
+            yield Fault(v.name, f"{v.causality}, initial '{v.initial}', not in InitialUnknowns", expected)
+
+
+@static("structure.initial-only", "2.2.8", ERROR, "InitialUnknowns lists nothing but unknowns of the initialization.")
+def initial_only(fmu: Fmu) -> Iterator[Fault]:
+    allowed = {v.index for v in _initial_unknowns(fmu)}
+    for unknown in fmu.description.initial_unknowns:
+        variable = fmu.description.variable(unknown.index)
+        if variable is not None and variable.index not in allowed:
+            what = f"{variable.causality}, initial '{variable.initial}', in InitialUnknowns"
+            yield Fault(variable.name, what, "only what is calculated during initialization")
+
+
+@static("structure.initial-order", "2.2.8", ERROR, "InitialUnknowns is ordered by index.")
+def initial_order(fmu: Fmu) -> Iterator[Fault]:
+    indices = [unknown.index or 0 for unknown in fmu.description.initial_unknowns]
+    for first, second in pairwise(indices):
+        if first > second:
+            yield Fault("InitialUnknowns", f"index {first} before {second}", "increasing indices")
+            return
+
+
+@static("dependency.index", "2.2.8", ERROR, "Every dependency is the index of a variable.")
+def dependency_index(fmu: Fmu) -> Iterator[Fault]:
+    for tag, unknown in fmu.description.structure:
+        for number in unknown.dependencies or []:
+            if fmu.description.variable(number) is None:
+                limit = len(fmu.description.variables)
+                yield Fault(_named(fmu, tag, unknown), f"dependency {number}", f"an index from 1 to {limit}")
+
+
+@static("dependency.order", "2.2.8", ERROR, "Dependencies are ordered by index.")
+def dependency_order(fmu: Fmu) -> Iterator[Fault]:
+    for tag, unknown in fmu.description.structure:
+        if any(first > second for first, second in pairwise(unknown.dependencies or [])):
+            found = " ".join(map(str, unknown.dependencies or []))
+            yield Fault(_named(fmu, tag, unknown), f"dependencies '{found}'", "increasing indices")
+
+
+@static("dependency.unique", "2.2.8", ERROR, "No dependency is listed twice.")
+def dependency_unique(fmu: Fmu) -> Iterator[Fault]:
+    for tag, unknown in fmu.description.structure:
+        for number, count in repeated(unknown.dependencies or []):
+            yield Fault(_named(fmu, tag, unknown), f"dependency {number} listed {count} times", "once")
+
+
+@static("dependency.kind-count", "2.2.8", ERROR, "dependenciesKind comes with dependencies and has as many entries.")
+def kind_count(fmu: Fmu) -> Iterator[Fault]:
+    for tag, unknown in fmu.description.structure:
+        if unknown.kinds is None:
+            continue
+        if unknown.dependencies is None:
+            yield Fault(_named(fmu, tag, unknown), "dependenciesKind without dependencies", "both, or neither")
+        elif len(unknown.kinds) != len(unknown.dependencies):
+            found = f"{len(unknown.kinds)} kinds for {len(unknown.dependencies)} dependencies"
+            yield Fault(_named(fmu, tag, unknown), found, "one kind for each dependency")
+
+
+@static("dependency.initial-kind", "2.2.8", ERROR, "In InitialUnknowns a dependency is `dependent` or `constant`.")
+def initial_kind(fmu: Fmu) -> Iterator[Fault]:
+    for unknown in fmu.description.initial_unknowns:
+        for kind in sorted({"fixed", "tunable", "discrete"} & set(unknown.kinds or [])):
+            yield Fault(_named(fmu, "InitialUnknowns", unknown), f"dependenciesKind '{kind}'", "dependent or constant")
+
+
+@static("dependency.kind-real", "2.2.8", ERROR, "Only dependencies of Reals on Reals have a factor.")
+def kind_real(fmu: Fmu) -> Iterator[Fault]:
+    for tag, unknown in fmu.description.structure:
+        target = fmu.description.variable(unknown.index)
+        for number, kind in zip(unknown.dependencies or [], unknown.kinds or [], strict=False):
+            known = fmu.description.variable(number)
+            if kind == "dependent" or known is None or target is None:
+                continue
+            if (target.kind, known.kind) != ("Real", "Real"):
+                found = f"'{kind}' dependency of a {target.kind} on '{known.name}', a {known.kind}"
+                yield Fault(_named(fmu, tag, unknown), found, "kind 'dependent'")
+
+
+def _is_known(fmu: Fmu, v: Variable, tag: str) -> bool:
+    if v.causality in ("input", "independent") or v.index in fmu.description.states:
+        return True
+    if v.causality not in CAUSALITIES:
+        return True  # the schema's finding
+    if tag == "InitialUnknowns":
+        return v.initial == "exact"
+    return v.causality == "parameter" and v.variability == "tunable"
+
+
+@static("dependency.known", "2.2.8", WARNING, "Dependencies name inputs, states, time; initially what is exact.")
+def dependency_known(fmu: Fmu) -> Iterator[Fault]:
+    for tag, unknown in fmu.description.structure:
+        for number in unknown.dependencies or []:
+            v = fmu.description.variable(number)
+            if v is not None and not _is_known(fmu, v, tag):
+                found = f"depends on '{v.name}', a {v.variability} {v.causality}"
+                yield Fault(_named(fmu, tag, unknown), found, "inputs, states, time (initially also what is exact)")
+
+
+@static("dependency.missing", "2.2.8", NOTE, "Outputs say what they depend on (else a master assumes all inputs).")
+def dependency_missing(fmu: Fmu) -> Iterator[Fault]:
+    has_inputs = any(v.causality == "input" for v in fmu.description.variables)
+    unsaid = [u for u in fmu.description.outputs if u.dependencies is None and u.kinds is None]
+    if has_inputs and unsaid:
+        found = f"{len(unsaid)} outputs without dependencies: a master must assume that they feed through every input"
+        yield Fault(_named(fmu, "Outputs", unsaid[0]), found, "dependencies, empty where an output has none")

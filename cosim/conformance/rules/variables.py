@@ -1,0 +1,224 @@
+"""Sections 2.2.7 (ScalarVariables) and 2.2.9 (variable naming conventions)."""
+
+import re
+from collections import defaultdict
+from collections.abc import Iterator
+
+from ..description import CAUSALITIES, INITIAL, VARIABILITIES, Variable, integer, number
+from ..repeats import repeated
+from ..rule import ERROR, WARNING, static
+from ..subject import Fault, Fmu
+
+# Section 2.2.9, the grammar of "structured" names. The specification's escapes are \' \" \? \\ \a \b \f \n \r \t \v.
+_B_NAME = r"""(?:[A-Za-z_][A-Za-z_0-9]*|'(?:[A-Za-z0-9_!#$%&()*+,\-./:;<>=?@\[\]^{}|~ ]|\\['"?\\abfnrtv])+')"""
+_PART = rf"{_B_NAME}(?:\[\d+(?:,\d+)*\])?"
+_IDENTIFIER = rf"{_PART}(?:\.{_PART})*"
+_STRUCTURED = re.compile(rf"{_IDENTIFIER}|der\({_IDENTIFIER}(?:,\d+)?\)")
+
+
+@static("variable.unique", "2.2.7", ERROR, "Variable names are unique.")
+def unique(fmu: Fmu) -> Iterator[Fault]:
+    for name, count in repeated(v.name for v in fmu.description.variables):
+        yield Fault(name, f"{count} variables of this name", "one")
+
+
+@static("variable.named", "2.2.7", ERROR, "Every variable has a name.")
+def named(fmu: Fmu) -> Iterator[Fault]:
+    for v in fmu.description.variables:
+        if "name" in v.attributes and v.name == "":
+            yield Fault(f"variable {v.index}", "an empty name", "a name")
+
+
+@static("variable.name-spaces", "2.2.9", WARNING, "A name neither begins nor ends with a space.")
+def name_spaces(fmu: Fmu) -> Iterator[Fault]:
+    for v in fmu.description.variables:
+        if _is_flat(fmu) and v.name != v.name.strip(" "):
+            yield Fault(v.name, f"'{v.name}'", f"'{v.name.strip()}'")
+
+
+@static("variable.flat-name", "2.2.9", ERROR, "A flat name holds no tab, line feed or carriage return.")
+def flat_name(fmu: Fmu) -> Iterator[Fault]:
+    for v in fmu.description.variables:
+        if _is_flat(fmu) and re.search(r"[\t\n\r]", v.name):
+            yield Fault(v.name, repr(v.name), "a name without tab, line feed and carriage return")
+
+
+@static("variable.structured-name", "2.2.9", ERROR, "Names follow the grammar of structured names if declared.")
+def structured_name(fmu: Fmu) -> Iterator[Fault]:
+    for v in fmu.description.variables:
+        if not _is_flat(fmu) and v.name and not _STRUCTURED.fullmatch(v.name):
+            yield Fault(v.name, f"'{v.name}'", "a structured name such as a.b[3].c or der(a.b)")
+
+
+def _is_flat(fmu: Fmu) -> bool:
+    return fmu.description.attributes.get("variableNamingConvention", "flat") != "structured"
+
+
+@static("variable.causality", "2.2.7", ERROR, "Causality and variability may be combined.")
+def causality(fmu: Fmu) -> Iterator[Fault]:
+    for v in fmu.description.variables:
+        known = v.causality in CAUSALITIES and v.variability in VARIABILITIES  # else the schema's finding
+        if known and (v.variability, v.causality) not in INITIAL:
+            allowed = [variability for variability, causality in INITIAL if causality == v.causality]
+            yield Fault(v.name, f"a {v.variability} {v.causality}", f"variability {' or '.join(allowed)}")
+
+
+@static("variable.continuous-real", "2.2.7", ERROR, "Only Real variables are continuous.")
+def continuous_real(fmu: Fmu) -> Iterator[Fault]:
+    for v in fmu.description.variables:
+        allowed = (v.variability, v.causality) in INITIAL
+        if allowed and v.variability == "continuous" and v.kind not in ("Real", ""):
+            implied = "" if "variability" in v.attributes else " (the default)"
+            yield Fault(v.name, f"a continuous {v.kind}{implied}", "variability discrete, or type Real")
+
+
+@static("variable.initial", "2.2.7", ERROR, "`initial` has a value that causality and variability allow.")
+def initial(fmu: Fmu) -> Iterator[Fault]:
+    for v in fmu.description.variables:
+        allowed = INITIAL.get((v.variability, v.causality))
+        given = v.attributes.get("initial")
+        if allowed is not None and given in ("exact", "approx", "calculated") and given not in allowed:
+            expected = " or ".join(allowed) if allowed else "no `initial`"
+            yield Fault(v.name, f"initial '{given}' of a {v.variability} {v.causality}", expected)
+
+
+def _wants_start(v: Variable) -> bool | None:
+    """Whether a start value must (True), must not (False) be given; None when the attributes contradict each other."""
+    allowed = INITIAL.get((v.variability, v.causality))
+    given = v.attributes.get("initial")
+    if allowed is None or (given is not None and given not in allowed):
+        return None
+    return v.causality == "input" or v.initial in ("exact", "approx")
+
+
+@static("variable.start-missing", "2.2.7", ERROR, "A start value where initial is exact or approx, or to an input.")
+def start_missing(fmu: Fmu) -> Iterator[Fault]:
+    for v in fmu.description.variables:
+        if v.kind and v.start is None and _wants_start(v) is True:
+            why = "an input" if v.causality == "input" else f"initial '{v.initial}'"
+            yield Fault(v.name, "no start value", f"a start value ({why})")
+
+
+@static("variable.start-forbidden", "2.2.7", ERROR, "No start value where initial is calculated, or to time.")
+def start_forbidden(fmu: Fmu) -> Iterator[Fault]:
+    for v in fmu.description.variables:
+        if v.start is not None and _wants_start(v) is False:
+            why = "independent" if v.causality == "independent" else "initial 'calculated'"
+            yield Fault(v.name, f"start '{v.start}'", f"no start value ({why})")
+
+
+@static("variable.start-range", "2.2.7", ERROR, "The start value lies between min and max.")
+def start_range(fmu: Fmu) -> Iterator[Fault]:
+    for v in fmu.description.variables:
+        start, low, high = number(v.start), number(v.resolved("min")), number(v.resolved("max"))
+        if v.kind not in ("Real", "Integer", "Enumeration") or start is None:
+            continue
+        if low is not None and high is not None and low > high:
+            continue  # rule range.min-max
+        if (low is not None and start < low) or (high is not None and start > high):
+            bounds = f"{v.resolved('min') or '-inf'} to {v.resolved('max') or 'inf'}"
+            yield Fault(v.name, f"start {start:g}", bounds)
+
+
+@static("variable.start-item", "2.2.7", ERROR, "The start value of an enumeration is the value of one of its items.")
+def start_item(fmu: Fmu) -> Iterator[Fault]:
+    for v in fmu.description.variables:
+        if v.kind == "Enumeration" and v.declared is not None and v.declared.items and integer(v.start) is not None:
+            values = [integer(item.get("value")) for item in v.declared.items]
+            if integer(v.start) not in values:
+                yield Fault(v.name, f"start {v.start}", f"one of {', '.join(map(str, values))}")
+
+
+@static("variable.independent", "2.2.7", ERROR, "At most one variable is the independent variable.")
+def independent(fmu: Fmu) -> Iterator[Fault]:
+    names = [v.name for v in fmu.description.variables if v.causality == "independent"]
+    if len(names) > 1:
+        yield Fault(names[1], f"{len(names)} independent variables: {', '.join(names)}", "at most one")
+
+
+@static("variable.derivative-index", "2.2.7", ERROR, "`derivative` is the index of another variable.")
+def derivative_index(fmu: Fmu) -> Iterator[Fault]:
+    for v in fmu.description.variables:
+        if v.derivative is not None and (v.derivative == v.index or fmu.description.variable(v.derivative) is None):
+            others = f"an index from 1 to {len(fmu.description.variables)} other than {v.index}"
+            yield Fault(v.name, f"derivative {v.derivative}", others)
+
+
+@static("variable.derivative-real", "2.2.7", ERROR, "A derivative and its variable are continuous Reals.")
+def derivative_real(fmu: Fmu) -> Iterator[Fault]:
+    for v in fmu.description.variables:
+        of = fmu.description.variable(v.derivative)
+        if of is None or of is v:
+            continue
+        for one in (v, of):
+            if (one.kind, one.variability) != ("Real", "continuous"):
+                yield Fault(v.name, f"'{one.name}' is a {one.variability} {one.kind}", "a continuous Real")
+
+
+@static("variable.reinit", "2.2.7", ERROR, "`reinit` is not present in a pure co-simulation FMU.")
+def reinit(fmu: Fmu) -> Iterator[Fault]:
+    for v in fmu.description.variables:
+        if "reinit" in v.own and fmu.description.model_exchange is None:
+            yield Fault(v.name, f"reinit '{v.own['reinit']}'", "no `reinit` (for ModelExchange only)")
+
+
+@static("variable.reinit-state", "2.2.7", ERROR, "`reinit` is only given to a continuous state.")
+def reinit_state(fmu: Fmu) -> Iterator[Fault]:
+    for v in fmu.description.variables:
+        if "reinit" in v.own and fmu.description.model_exchange is not None and v.index not in fmu.description.states:
+            yield Fault(v.name, f"reinit '{v.own['reinit']}'", "no `reinit`: the variable is not a state")
+
+
+@static("variable.multiple-set", "2.2.7", ERROR, "canHandleMultipleSetPerTimeInstant is for ModelExchange only.")
+def multiple_set(fmu: Fmu) -> Iterator[Fault]:
+    for v in fmu.description.variables:
+        if "canHandleMultipleSetPerTimeInstant" in v.attributes and fmu.description.model_exchange is None:
+            yield Fault(v.name, "canHandleMultipleSetPerTimeInstant", "no such attribute (for ModelExchange only)")
+
+
+def _alias_sets(fmu: Fmu) -> Iterator[list[Variable]]:
+    """Variables of one base type and one value reference: they share their value."""
+    sets: dict[tuple[str, int | None], list[Variable]] = defaultdict(list)
+    for v in fmu.description.variables:
+        sets[v.base, v.reference].append(v)
+    yield from (variables for variables in sets.values() if len(variables) > 1)
+
+
+def _names(variables: list[Variable]) -> str:
+    return ", ".join(f"'{v.name}'" for v in variables)
+
+
+def _is_settable(v: Variable) -> bool:
+    return v.variability != "constant" and (v.causality == "input" or v.initial in ("exact", "approx"))
+
+
+@static("alias.settable", "2.2.7", ERROR, "At most one variable of an alias set can be set by the environment.")
+def alias_settable(fmu: Fmu) -> Iterator[Fault]:
+    for variables in _alias_sets(fmu):
+        settable = [v for v in variables if _is_settable(v)]
+        if len(settable) > 1:
+            yield Fault(settable[1].name, f"{_names(settable)} share a value and can all be set", "at most one of them")
+
+
+@static("alias.constant", "2.2.7", ERROR, "A constant is only aliased to constants.")
+def alias_constant(fmu: Fmu) -> Iterator[Fault]:
+    for variables in _alias_sets(fmu):
+        constant = [v for v in variables if v.variability == "constant"]
+        if constant and len(constant) < len(variables):
+            yield Fault(constant[0].name, f"{_names(variables)} share a value", "all of them constant, or none")
+
+
+@static("alias.constant-start", "2.2.7", ERROR, "Aliased constants have the same start value.")
+def alias_constant_start(fmu: Fmu) -> Iterator[Fault]:
+    for variables in _alias_sets(fmu):
+        starts = {v.start for v in variables if v.variability == "constant"}
+        if len(starts) > 1:
+            yield Fault(variables[1].name, f"starts {', '.join(sorted(map(str, starts)))}", "one start value for all")
+
+
+@static("alias.unit", "2.2.7", ERROR, "Aliased variables have the same unit.")
+def alias_unit(fmu: Fmu) -> Iterator[Fault]:
+    for variables in _alias_sets(fmu):
+        units = {v.resolved("unit") for v in variables}
+        if len(units) > 1:
+            yield Fault(variables[1].name, f"units {', '.join(sorted(map(str, units)))} in one alias set", "one unit")

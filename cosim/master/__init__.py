@@ -1,0 +1,1 @@
+"""Any system of FMUs, flown: files, instances, wiring, tick loops, algorithms, recording."""

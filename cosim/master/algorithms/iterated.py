@@ -1,0 +1,71 @@
+"""Iterated: components around an algebraic loop repeat the step until their outputs agree with each other's inputs.
+
+A loop is where the FMUs declare it: connected outputs that depend directly on inputs, around a circle. The rest goes
+in order, as in `gauss_seidel`, and without loops the result is that to the last bit. Within a loop the inputs are those
+of the step's end (with hold=linear: the course from its start to its end, order 2 where outputs are states);
+order 1, and stable for stiff couplings for which one pass is not.
+
+Needs of an FMU: canGetAndSetFMUstate, of those in a loop. Ends when no connected output changes by more than
+`tolerance` of its nominal (or own) size; after `passes` without that, the run ends with an error that names them.
+A discarded step ends the run, as the step cannot be made shorter.
+"""
+from typing import ClassVar
+
+import numpy as np
+
+from ...errors import RunError, UsageError
+from .. import program as P
+from ..dependencies import looped, step_order, value_needs
+from ..loaded import Master
+from ..program import row
+from . import HOLD, positive, whole
+from .base import Even, Experiment, inputs, outputs, step, turn
+
+
+class Iterated(Even):
+    OPTIONS: ClassVar = {**HOLD, "tolerance": (1e-10, positive), "passes": (50, whole)}
+
+    def __init__(self, master: Master, options: dict, plan: Experiment):
+        self.master, self.plan, self.ticks = master, plan, 0
+        self.tolerance, self.passes, hold = options["tolerance"], options["passes"], options["hold"]
+        self.blocks: list[tuple[np.ndarray, np.ndarray | None, np.ndarray]] = []  # first pass, further ones, slots
+        w = master.wiring
+        lacking = set(master.cannot_save())
+        loops = looped(value_needs(master.system, master.files, master.targets))
+        for group in step_order(master.system, master.files, master.targets):
+            parts = [master.number[name] for name in group]
+            once = [r for i in parts for r in turn(master, i, hold)]
+            if not loops & set(group):
+                self.blocks.append((P.program(once), None, np.empty(0, np.int64)))
+                continue
+            if lacking & set(group):
+                raise UsageError(f"--algorithm iterated repeats steps, and {', '.join(sorted(lacking & set(group)))} "
+                                 f"cannot: the FMU does not claim canGetAndSetFMUstate.")
+            again = [r for i in parts for r in
+                     (row(P.RESTORE, i), *inputs(master, i, hold), step(i), *outputs(master, i, False))]
+            self.blocks.append((P.program([*(row(P.SAVE, i) for i in parts), *once]), P.program(again),
+                                w.sources[np.isin(w.holder[w.sources], parts)]))
+
+    def advance(self, most: int) -> None:
+        plan, master = self.plan, self.master
+        for _ in range(min(most, plan.ticks - self.ticks)):
+            for once, again, slots in self.blocks:
+                master.run(once, self.ticks, 1, plan.start, plan.step)
+                if again is not None:
+                    self.settle(again, slots)
+            self.ticks += 1
+            if self.ticks % plan.decimate == 0 or self.done:
+                plan.recorder.add(self.time, master.row())
+
+    def settle(self, again: np.ndarray, slots: np.ndarray) -> None:
+        w, plan = self.master.wiring, self.plan
+        for _ in range(self.passes):
+            before = w.signals[slots]
+            self.master.run(again, self.ticks, 1, plan.start, plan.step)
+            after = w.signals[slots]
+            calm = np.abs(after - before) <= self.tolerance * np.maximum(np.abs(after), w.nominal[slots])
+            if np.all(calm):
+                return
+        restless = [w.slots[s] for s, still in zip(slots, calm) if not still]
+        raise RunError(f"The loop does not converge in the step from t = {self.time:.6g} s: {', '.join(restless[:5])} "
+                       f"still change after {self.passes} passes.")

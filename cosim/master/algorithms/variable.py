@@ -1,0 +1,114 @@
+"""Variable: Gauss-Seidel with steps as long as the error allows, each taken twice (step doubling).
+
+From saved states each step is taken once whole and once in halves; the halves' result is kept. The difference of the
+two estimates its error. In each connected continuous output it may be `tolerance` times the variable's nominal value
+(or its own size, where that is larger); the worst one decides. That is per step, and of what is connected only: the
+error of the run falls more slowly than the tolerance. Outputs that depend directly on inputs are left out (if there
+are others): they lag behind as the held inputs do, and what that does shows in the others. A step that fails is taken
+back through the FMU states and shortened; the next one is as long as the estimate allows. `--step` is the first step
+and, times MOST_STEPS, the longest one.
+
+Needs of an FMU: canGetAndSetFMUstate and canHandleVariableCommunicationStepSize. Order as in `gauss_seidel`: 1, and
+with hold=linear (the default) 2 where connected outputs are states. A discarded step is taken back and tried at SHRINK
+of its length; below SHORTEST of the first step the run ends with the FMU's own words.
+"""
+from typing import ClassVar
+
+import numpy as np
+
+from ...errors import RunError, UsageError
+from .. import program as P
+from ..dependencies import value_needs
+from ..fmu import DISCARD
+from ..loaded import NO_ROWS, NO_TIMES, Master
+from ..program import row
+from . import ORDER, linear, positive
+from .base import Experiment, chosen_order, need_states, turn
+
+MOST_STEPS, SHORTEST = 100, 1e-6  # times the first step
+SAFETY, SHRINK, GROW = 0.9, 0.2, 3.0
+
+
+class Variable:
+    OPTIONS: ClassVar = {"tolerance": (1e-6, positive), "hold": (True, linear), **ORDER}
+
+    def __init__(self, master: Master, options: dict, plan: Experiment):
+        need_states(master, "variable")
+        for instance in master.instances:
+            if not instance.cosimulation.canHandleVariableCommunicationStepSize:
+                raise UsageError(f"--algorithm variable needs steps of any length, and {instance.name} does not claim "
+                                 f"canHandleVariableCommunicationStepSize.")
+        self.master, self.plan, self.time, self.step, self.ticks = master, plan, plan.start, plan.step, 0
+        self.tolerance, hold = options["tolerance"], options["hold"]
+        parts = chosen_order(master, options["order"])
+        self.ops = P.program(r for i in parts for r in turn(master, i, hold))
+        self.save = P.program(row(P.SAVE, i) for i in parts)
+        self.restore = P.program(row(P.RESTORE, i) for i in parts)
+        w = master.wiring
+        needs = value_needs(master.system, master.files, master.targets)
+        smooth = [s for s in w.sources if w.smooth[s]]
+        states = [s for s in smooth if not needs[w.slots[s]]]
+        self.slots = np.array(states or smooth, np.int64)
+        followed = all(g.interpolates for groups in w.inputs for g in groups if g.suffix == "Real")
+        second = hold and (followed or len(states) == len(smooth))
+        self.power = 1 / 3 if second else 1 / 2  # one over the local error's order
+
+    @property
+    def done(self) -> bool:
+        return self.time >= self.plan.stop
+
+    def advance(self, most: int) -> None:
+        for _ in range(most):
+            if self.done:
+                return
+            self.take()
+            if self.ticks % self.plan.decimate == 0 or self.done:
+                self.plan.recorder.add(self.time, self.master.row())
+
+    def take(self) -> None:
+        """One step that is good enough."""
+        master, plan = self.master, self.plan
+        begun = master.snapshot()
+        master.run(self.save, 0, 1, self.time, 0.0)
+        while True:
+            left = plan.stop - self.time
+            last = self.step >= left * (1 - 1e-9)
+            step = left if last else self.step if self.step < 0.5 * left else 0.5 * left  # no sliver at the end
+            error = self.error(step, begun)
+            factor = GROW if error == 0 else SAFETY * error ** -self.power
+            self.step = step * min(max(factor, SHRINK), GROW)
+            self.step = min(self.step, MOST_STEPS * plan.step)
+            if error <= 1:
+                self.time = plan.stop if last else self.time + step
+                self.ticks += 1
+                return
+            if self.step < SHORTEST * plan.step:
+                raise RunError(f"The step from t = {self.time:.6g} s cannot be made short enough for a tolerance of "
+                               f"{self.tolerance:g}: it is below {self.step:.3g} s.")
+            master.run(self.restore, 0, 1, self.time, 0.0)
+            master.put_back(begun)
+
+    def error(self, step: float, begun: list[np.ndarray]) -> float:
+        """Take the step whole, step back, take it in halves; the estimated error over the allowed one."""
+        master, w = self.master, self.master.wiring
+        if not self.attempt(1, step):
+            return SHRINK ** (-1 / self.power)
+        whole = w.signals[self.slots]
+        master.run(self.restore, 0, 1, self.time, 0.0)
+        master.put_back(begun)
+        if not self.attempt(2, step / 2):
+            return SHRINK ** (-1 / self.power)
+        halves = w.signals[self.slots]
+        allowed = self.tolerance * np.maximum(np.abs(halves), w.nominal[self.slots])
+        ratio = np.abs(whole - halves) / (2 ** (1 / self.power - 1) - 1) / allowed
+        worst = float(np.max(ratio, initial=0.0))
+        return worst if np.isfinite(worst) else SHRINK ** (-1 / self.power)
+
+    def attempt(self, count: int, step: float) -> bool:
+        """Take `count` steps; False if an FMU discards one and a shorter one may be tried."""
+        master = self.master
+        status = master.attempt(self.ops, 0, count, self.time, step, NO_ROWS, NO_TIMES, 0)
+        discarded = status == DISCARD and self.ops[master.cursor[1], 0] == P.STEP
+        if not (discarded and step * SHRINK > SHORTEST * self.plan.step):
+            master.check(status, self.ops, self.time, step)
+        return status == 0

@@ -1,0 +1,109 @@
+"""Initialisation: values travel from outputs to inputs in the order that the FMUs declare in InitialUnknowns.
+
+What depends on nothing comes first; where dependencies loop, the loop is passed through until it settles.
+"""
+from collections.abc import Mapping
+from itertools import groupby
+
+import numpy as np
+
+from ..errors import RunError
+from .dependencies import strongly_connected, value_needs
+from .fmu import FmuFile, Instance
+from .system import Connection, System
+
+MOST_PASSES = 200
+SETTLED = 1e-13  # of the value, or of the variable's nominal one
+
+Batch = list[str]  # component.variable, all of one component and all inputs or all outputs
+
+
+def order(system: System, files: Mapping[str, FmuFile], targets: Mapping[str, Connection]) -> list[list[Batch]]:
+    """What to set and get, one item after the other: a list of one batch is done once, one of several is a loop."""
+    needs = value_needs(system, files, targets, initially=True)
+    groups = strongly_connected(needs)
+    level: dict[str, int] = {}
+    for group in groups:
+        depth = 1 + max((level[n] for name in group for n in needs[name] if n in level), default=-1)
+        level.update(dict.fromkeys(group, depth))
+
+    def kind(name: str) -> tuple[str, bool]:
+        return name.partition(".")[0], name in targets
+
+    single = sorted((g[0] for g in groups if len(g) == 1), key=lambda n: (level[n], kind(n)))
+    steps = [(level[batch[0]], [batch]) for _, names in groupby(single, lambda n: (level[n], kind(n)))
+             for batch in [list(names)]]
+    steps += [(level[group[0]], [list(names) for _, names in groupby(sorted(group, key=kind), kind)])
+              for group in groups if len(group) > 1]
+    return [batches for _, batches in sorted(steps, key=lambda item: item[0])]
+
+
+class Exchange:
+    """Sets and gets batches during initialisation; `known` has the connected outputs."""
+
+    def __init__(self, instances: Mapping[str, Instance], targets: Mapping[str, Connection]):
+        self.instances, self.targets = instances, targets
+        self.known: dict[str, float | str] = {}
+
+    def move(self, batch: Batch) -> None:
+        component = batch[0].partition(".")[0]
+        instance, names = self.instances[component], [n.partition(".")[2] for n in batch]
+        if batch[0] not in self.targets:
+            self.known.update(zip(batch, instance.get_any(names)))
+            return
+        values = {}
+        for full, name in zip(batch, names):
+            link = self.targets[full]
+            value = self.known[link.source]
+            values[name] = value if isinstance(value, str) else link.factor * value + link.offset
+        instance.set(values)
+
+    def numbers(self, names: list[str]) -> np.ndarray:
+        return np.array([x for n in names if not isinstance(x := self.known[n], str)], dtype=float)
+
+    def settle(self, batches: list[Batch]) -> None:
+        """Pass through a loop until its outputs stay as they are.
+
+        Raises RunError naming the outputs that do not.
+        """
+        shown = [n for batch in batches if batch[0] not in self.targets for n in batch]
+        given = [batch for batch in batches if batch[0] in self.targets]
+        read = [batch for batch in batches if batch[0] not in self.targets]
+        for batch in read:
+            self.move(batch)
+        nominal = np.array([abs(float(self.instances[n.partition(".")[0]].file.variable(n.partition(".")[2]).nominal
+                                      or 1.0)) for n in shown if not isinstance(self.known[n], str)])
+        for _ in range(MOST_PASSES):
+            before = self.numbers(shown)
+            for batch in given:  # each component's inputs, then at once its outputs
+                self.move(batch)
+                component = batch[0].partition(".")[0]
+                for other in read:
+                    if other[0].partition(".")[0] == component:
+                        self.move(other)
+            after = self.numbers(shown)
+            calm = np.abs(after - before) <= SETTLED * np.maximum(np.abs(after), nominal)
+            if np.all(calm):
+                return
+        restless = [n for n, still in zip((n for n in shown if not isinstance(self.known[n], str)), calm) if not still]
+        raise RunError(f"The initial values do not settle: {', '.join(restless[:5])} still change after "
+                       f"{MOST_PASSES} passes through the loop of {', '.join(n for b in given for n in b[:3])}.")
+
+
+def initialise(system: System, instances: Mapping[str, Instance], targets: Mapping[str, Connection],
+               start: float, stop: float) -> None:
+    """From instantiated, with parameters set, to ready to step.
+
+    Raises RunError if an FMU refuses, or if the values of a loop do not settle.
+    """
+    for instance in instances.values():
+        instance.setup(start, stop)
+        instance.simple("fmi2EnterInitializationMode")
+    exchange = Exchange(instances, targets)
+    for batches in order(system, {n: i.file for n, i in instances.items()}, targets):
+        if len(batches) == 1:
+            exchange.move(batches[0])
+        else:
+            exchange.settle(batches)
+    for instance in instances.values():
+        instance.simple("fmi2ExitInitializationMode")

@@ -1,0 +1,176 @@
+"""A flight in a process of its own: an FMU that crashes or hangs ends the flight, not the program.
+
+The process is a fork, which hands over rows as they come. What it calls just now stands in shared memory, so that
+the last call can be named, and rows that were not handed over yet are there too.
+"""
+import os
+import signal
+import tempfile
+import time
+from collections.abc import Callable
+from multiprocessing import Pipe
+from multiprocessing.connection import Connection as End
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..errors import RunError, UsageError
+from . import last_call
+from .flight import Flight, Progress, fly, interruptions, make_recorder
+from .recording import CHUNK_ROWS, Recorder
+from .system import System
+from .wiring import Signal
+
+LOOK_S = 0.05
+
+
+class Sender(Recorder):
+    """Hands rows over to the parent; its room is in shared memory where it fits."""
+
+    def __init__(self, columns: list[Signal], end: End, place: last_call.Place):
+        super().__init__(columns)
+        self.end = end
+        if (len(columns) + 1) * (CHUNK_ROWS + 1) <= len(place.doubles):
+            self.times = place.doubles[:CHUNK_ROWS + 1]
+            self.rows = place.doubles[CHUNK_ROWS + 1:][:(CHUNK_ROWS + 1) * len(columns)].reshape(-1, len(columns))
+
+    def keep(self, times: np.ndarray, rows: np.ndarray) -> None:
+        self.end.send(("rows", times, rows))
+
+    def took(self, used: int) -> None:
+        super().took(used)
+        self.master_cursor()[2] = 0  # handed over: not to be looked for in shared memory
+
+    @staticmethod
+    def master_cursor() -> np.ndarray:
+        assert last_call.place is not None
+        return last_call.place.cursor
+
+    def finish(self) -> tuple[np.ndarray, np.ndarray]:
+        return np.empty(0), np.empty((0, len(self.columns)))
+
+
+def fly_isolated(system: System, step: float, stop: float, algorithm: str, progress: Progress | None = None,
+                 time_limit: float | None = None, stream: Path | None = None, **options: Any) -> Flight:
+    """`flight.fly` in a process of its own. An FMU call that takes longer than `time_limit` (s) ends the flight.
+
+    Raises what `fly` raises; RunError also for a crash or a hang before the first tick.
+    """
+    if time_limit is not None and not time_limit > 0:
+        raise UsageError(f"--time-limit {time_limit:g} must be a positive number of seconds.")
+    place = last_call.Place()
+    with tempfile.TemporaryDirectory(prefix="ahv_") as folder:  # what a crash leaves behind goes with it
+        ours, theirs = Pipe()
+        child = os.fork()
+        if child == 0:
+            run_child(theirs, place, folder, lambda begun: fly(
+                system, step, stop, algorithm, (lambda t: theirs.send(("progress", t))) if progress else None,
+                recorder=lambda columns: Sender(columns, theirs, place), begun=begun, **options))
+        theirs.close()
+        return Parent(child, ours, place, stream, progress, time_limit).wait()
+
+
+def run_child(end: End, place: last_call.Place, folder: str, flight: Callable[[Any], Flight]) -> None:
+    """The whole life of the child; does not return."""
+    try:
+        last_call.place, tempfile.tempdir = place, folder
+        result = flight(lambda head, calls: end.send(("head", head, calls)))
+        end.send(("end", result))
+    except BaseException as error:
+        known = isinstance(error, UsageError | RunError)
+        end.send(("error", error if known else RunError(f"The flight failed: {error!r}")))
+    finally:
+        os._exit(0)
+
+
+class Parent:
+    def __init__(self, child: int, end: End, place: last_call.Place, stream: Path | None, progress: Progress | None,
+                 limit: float | None):
+        self.child, self.end, self.place, self.stream, self.progress = child, end, place, stream, progress
+        self.limit = limit
+        self.recorder: Recorder | None = None
+        self.head: Flight | None = None
+        self.calls: dict[tuple[int, int], tuple[str, str, int]] = {}
+        self.begun = time.perf_counter()
+
+    def wait(self) -> Flight:
+        seen, since = self.position(), time.monotonic()
+        with interruptions() as interrupted:
+            while True:
+                try:
+                    if self.end.poll(LOOK_S):
+                        result = self.take(self.end.recv())
+                        if result is not None:
+                            os.waitpid(self.child, 0)
+                            return result
+                        seen, since = self.position(), time.monotonic()
+                        continue
+                except EOFError:
+                    _, status = os.waitpid(self.child, 0)
+                    how = signal.Signals(os.WTERMSIG(status)).name if os.WIFSIGNALED(status) else "its end"
+                    return self.broken(f"crashed ({how}) in")
+                now = self.position()
+                if now != seen:
+                    seen, since = now, time.monotonic()
+                elif self.limit is not None and time.monotonic() - since > self.limit:
+                    self.kill()
+                    return self.broken(f"did not come back within {self.limit:g} s from")
+                if len(interrupted) > 1:
+                    self.kill()
+                    return self.broken("was interrupted in")
+
+    def kill(self) -> None:
+        os.kill(self.child, signal.SIGKILL)
+        os.waitpid(self.child, 0)
+
+    def position(self) -> tuple[Any, ...]:
+        return (*self.place.cursor.tolist(), *self.place.span.tolist(), self.place.read(last_call.NOTE))
+
+    def take(self, item: tuple[Any, ...]) -> Flight | None:
+        kind, *rest = item
+        if kind == "progress" and self.progress:
+            self.progress(*rest)
+        elif kind == "head":
+            self.head, self.calls = rest
+            self.recorder = make_recorder(self.head.columns, self.stream)
+        elif kind == "rows":
+            assert self.recorder is not None
+            self.recorder.keep(*rest)
+        elif kind == "error":
+            os.waitpid(self.child, 0)
+            raise rest[0]
+        elif kind == "end":
+            assert self.recorder is not None
+            flight: Flight = rest[0]
+            flight.time, flight.signals = self.recorder.finish()
+            return flight
+        return None
+
+    def broken(self, how: str) -> Flight:
+        """What is left of a flight whose process is gone."""
+        words = self.place.read(last_call.SAID)
+        said = f"; it had said: {words}" if words else ""
+        if self.head is None or self.recorder is None:
+            who, _, call = self.place.read(last_call.NOTE).partition(": ")
+            raise RunError(f"{who} {how} {call}{said}")
+        tick, _, used, code, index = self.place.cursor.tolist()
+        who, call, late = self.calls.get((code, index), ("An FMU", "a call", 0))
+        start, step = self.place.span.tolist()
+        columns = self.head.columns
+        if used and (len(columns) + 1) * (CHUNK_ROWS + 1) <= len(self.place.doubles):
+            rows = self.place.doubles[CHUNK_ROWS + 1:][:used * len(columns)].reshape(-1, len(columns))
+            self.recorder.keep(self.place.doubles[:used].copy(), rows.copy())
+        flight = self.head
+        flight.time, flight.signals = self.recorder.finish()
+        flight.finished, flight.ticks, flight.wall_s = False, tick, time.perf_counter() - self.begun
+        flight.message = f"{who} {how} {call} at t = {start + (tick + late) * step:.6g} s{said}"
+        return flight
+
+
+def launch(system: System, step: float, stop: float, algorithm: str, progress: Progress | None, isolate: bool,
+           time_limit: float | None, **options: Any) -> Flight:
+    """`flight.fly`, here or in a process of its own."""
+    if isolate or time_limit is not None:
+        return fly_isolated(system, step, stop, algorithm, progress, time_limit, **options)
+    return fly(system, step, stop, algorithm, progress, **options)

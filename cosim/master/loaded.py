@@ -1,0 +1,182 @@
+"""The master: a system's FMUs loaded, wired and initialised, and programs carried out on them.
+
+The algorithms (`algorithms`) say what to do on a tick, as programs; `flight` flies from start to stop.
+"""
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+
+from ..errors import RunError
+from . import last_call
+from . import program as P
+from .fmu import FmuFile, Instance
+from .initialise import initialise
+from .system import System, Value
+from .wiring import LONGEST_TEXT, Signal, Wirer, checked_connections, picked
+
+CALLS = {P.SET: "fmi2Set{}", P.PREDICT: "fmi2Set{}", P.SLOPE: "fmi2SetRealInputDerivatives", P.GET: "fmi2Get{}",
+         P.STEP: "fmi2DoStep", P.SAVE: "fmi2GetFMUstate", P.RESTORE: "fmi2SetFMUstate"}
+
+
+class Master:
+    """A loaded system. `wiring.signals` holds what is connected or recorded at the current time."""
+
+    def __init__(self, system: System, files: dict[str, FmuFile], record: list[str] | None = None,
+                 plain: bool = False, apart: bool = False):
+        """`files` has the open FMU file of every component; `record` picks variables by component.variable,
+        * for any (None: all numeric outputs); `plain` takes the loop in Python; `apart` reads what is only to be
+        recorded by calls of its own, so that programs can leave them out.
+
+        Raises UsageError for values, connections or patterns that do not fit the FMUs, RunError if an FMU
+        does not instantiate.
+        """
+        self.system, self.files = system, files
+        self.values = self._checked(system)
+        self.targets = checked_connections(system, files)
+        recorded = picked(system, files, record)
+        self.instances: list[Instance] = []
+        try:
+            for component in system.components:
+                self.instances.append(Instance(files[component.name], component.name))
+            self.wiring = Wirer(self.instances, self.targets, recorded, apart).wire()
+        except BaseException:
+            self.close()
+            raise
+        self.number = {c.name: i for i, c in enumerate(system.components)}
+        self.loop = make_loop(plain, self.wiring)
+        self.cursor = last_call.place.cursor if last_call.place else np.zeros(5, np.int64)
+        self.span = last_call.place.span if last_call.place else np.zeros(2)
+
+    def _checked(self, system: System) -> dict[str, dict[str, Value]]:
+        return {c.name: {n: self.files[c.name].checked(n, x, c.name) for n, x in c.values.items()}
+                for c in system.components}
+
+    @property
+    def columns(self) -> list[Signal]:
+        return self.wiring.columns
+
+    def row(self) -> np.ndarray:
+        """The recorded signals as they are now."""
+        return self.wiring.signals[self.wiring.recorded]
+
+    # --- life cycle -----------------------------------------------------------------------------------
+
+    def initialise(self, start: float, stop: float) -> None:
+        """Set values, then exchange outputs and inputs until all FMUs are ready to step.
+
+        Raises RunError if an FMU refuses, or if the values do not settle.
+        """
+        for instance in self.instances:
+            instance.set(self.values[instance.name])
+        initialise(self.system, {i.name: i for i in self.instances}, self.targets, start, stop)
+        self.run(P.program(P.row(P.GET, g.number) for groups in self.wiring.outputs for g in groups), 0, 1, start, 0.0)
+        self.wiring.before[:] = self.wiring.signals
+        self.wiring.clock[:] = start
+
+    def reset(self, system: System) -> None:
+        """Back to before initialisation, to fly `system`: the same components and connections, other values.
+
+        Raises UsageError for values that do not fit, RunError if an FMU refuses.
+        """
+        self.values = self._checked(system)
+        self.free_states()
+        for instance in self.instances:
+            instance.simple("fmi2Reset")
+            instance.messages.clear()
+
+    def free_states(self) -> None:
+        for instance, part, i in zip(self.instances, self.wiring.parts, range(len(self.instances))):
+            if self.wiring.states[i] and part[P.FREE_STATE] and instance.alive:
+                instance.free_state(self.wiring.states.ctypes.data + 8 * i)
+            self.wiring.states[i] = 0
+
+    def close(self) -> None:
+        if hasattr(self, "wiring"):
+            self.free_states()
+        for instance in self.instances:
+            instance.close()
+        self.instances = []
+
+    # --- ticks ----------------------------------------------------------------------------------------
+
+    def attempt(self, ops: np.ndarray, first: int, count: int, start: float, step: float,
+                rows: np.ndarray, times: np.ndarray, decimate: int) -> int:
+        """Carry out `ops` on `count` ticks (see `loop_compiled.kernel`); the status of the call that failed, or 0."""
+        self.span[:] = start, step
+        return self.loop.run(ops, rows, times, self.cursor, first, count, start, step, decimate)
+
+    def run(self, ops: np.ndarray, first: int, count: int, start: float, step: float) -> None:
+        """The same, without rows. Raises RunError for a failed call."""
+        self.check(self.attempt(ops, first, count, start, step, NO_ROWS, NO_TIMES, 0), ops, start, step)
+
+    def check(self, status: int, ops: np.ndarray, start: float, step: float) -> None:
+        """Raise RunError unless `status` is OK: the call where the cursor stands, with the FMU's own words."""
+        if status == 0:
+            return
+        tick, at = int(self.cursor[0]), int(self.cursor[1])
+        part, call, late = self.described(*ops[at, :2].tolist())
+        time = start + (tick + late) * step
+        instance = self.instances[part]
+        if status == P.TOO_LONG:
+            raise RunError(f"{instance.name} ({instance.file.path.name}) shows a text longer than {LONGEST_TEXT - 1} "
+                           f"bytes at t = {time:.6g} s.")
+        instance.check(status, call, time)
+
+    def described(self, code: int, index: int) -> tuple[int, str, int]:
+        """(component, FMI call, 1 if it belongs to the end of the tick) of a row of a program."""
+        if code in (P.SET, P.PREDICT, P.SLOPE, P.GET):
+            group = self.wiring.every_group[index]
+            return group.owner, CALLS[code].format(group.suffix), int(code == P.GET)
+        return index, CALLS.get(code, "a call"), 0
+
+    def calls(self) -> dict[tuple[int, int], tuple[str, str, int]]:
+        """(code, index) of all rows that call an FMU -> (its name and file, FMI call, 1 if at the end of the tick)."""
+        found = {}
+        for code in CALLS:
+            of_groups = code in (P.SET, P.PREDICT, P.SLOPE, P.GET)
+            for index in range(len(self.wiring.every_group) if of_groups else len(self.instances)):
+                part, call, late = self.described(code, index)
+                instance = self.instances[part]
+                found[code, index] = f"{instance.name} ({instance.file.path.name})", call, late
+        return found
+
+    def cannot_save(self) -> list[str]:
+        """Components that cannot save and restore their state."""
+        return [i.name for i in self.instances if not i.cosimulation.canGetAndSetFMUstate]
+
+    def snapshot(self) -> list[np.ndarray]:
+        w = self.wiring
+        return [a.copy() for a in (w.signals, w.before, w.clock, w.texts)]
+
+    def put_back(self, snapshot: list[np.ndarray]) -> None:
+        w = self.wiring
+        for place, kept in zip((w.signals, w.before, w.clock, w.texts), snapshot):
+            place[:] = kept
+
+
+NO_ROWS, NO_TIMES = np.empty((0, 0)), np.empty(0)
+
+
+def make_loop(plain: bool, wiring: Any) -> Any:
+    if plain:
+        from .loop_plain import Loop as Plain
+        return Plain(wiring)
+    from .loop_compiled import Loop  # numba takes its time
+    return Loop(wiring)
+
+
+@contextmanager
+def open_files(system: System) -> Iterator[dict[str, FmuFile]]:
+    """The FMU files of a system, extracted; each file once, however many components use it."""
+    opened: dict[str, FmuFile] = {}
+    try:
+        for component in system.components:
+            path = str(component.fmu.resolve())
+            if path not in opened:
+                opened[path] = FmuFile.open(component.fmu)
+        yield {c.name: opened[str(c.fmu.resolve())] for c in system.components}
+    finally:
+        for file in opened.values():
+            file.close()

@@ -1,1 +1,0 @@
-"""The commands and coefficient changes of a run."""

@@ -1,0 +1,88 @@
+"""Pictures of a flight, one for each figure of the paper: Figures 2-7 (Case 1) and 8-13 (Case 2)."""
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure  # without pyplot, which takes its time and keeps every figure
+
+from ..master.flight import Flight
+
+
+@dataclass(frozen=True)
+class Panel:
+    """One set of axes: the curves (label, signal or difference of two, style) and the quantity's name."""
+    ylabel: str
+    curves: tuple[tuple[str, str, str], ...]
+    degrees: bool = False
+
+
+PICTURES: list[tuple[str, str, tuple[Panel, ...]]] = [
+    ("velocity", "Velocity tracking", (
+        Panel("V (ft/s)", (("reference", "controller.V_reference", "k--"), ("V", "plant.V", "C0"))),
+        Panel("V error (ft/s)", (("", "plant.V - controller.V_reference", "C3"),)))),
+    ("altitude", "Altitude tracking", (
+        Panel("h (ft)", (("reference", "controller.h_reference", "k--"), ("h", "plant.h", "C0"))),
+        Panel("h error (ft)", (("", "plant.h - controller.h_reference", "C3"),)))),
+    ("attitude", "Attitude angles", (
+        Panel("γ (deg)", (("command $γ_d$", "controller.gamma_command", "k--"), ("γ", "plant.gamma", "C0")), True),
+        Panel("θ (deg)", (("", "plant.theta", "C0"),), True),
+        Panel("Q (deg/s)", (("", "plant.Q", "C0"),), True))),
+    ("inputs", "Control inputs", (
+        Panel("fuel ratio Φ", (("", "controller.fuel_ratio", "C0"),)),
+        Panel("elevator $δ_e$ (deg)", (("", "controller.elevator", "C0"),), True))),
+    ("flexible", "Flexible states", (
+        Panel("$η_1$", (("", "plant.eta1", "C0"),)),
+        Panel("$η_2$", (("", "plant.eta2", "C0"),)))),
+    ("phi_hat", "Adapted parameters of the networks", (
+        Panel("$\\hat\\varphi_1$ (velocity)", (("", "controller.phi_hat_1", "C0"),)),
+        Panel("$\\hat\\varphi_2$ (altitude)", (("", "controller.phi_hat_2", "C0"),)))),
+]
+
+
+def values(flight: Flight, expression: str) -> np.ndarray:
+    """A column, or the difference of two written `a - b`."""
+    first, _, second = expression.partition(" - ")
+    return flight[first] - flight[second] if second else flight[first]
+
+
+def available(flight: Flight, panels: tuple[Panel, ...]) -> bool:
+    return all(flight.has(name) for panel in panels for _, expression, _ in panel.curves
+               for name in expression.split(" - "))
+
+
+def draw(flight: Flight, title: str, panels: tuple[Panel, ...]) -> Figure:
+    height = 2.2 * len(panels) + 1
+    figure = Figure(figsize=(8, height))
+    axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)
+    # Fixed margins, in inches: finding them from the texts would take as long as all the drawing.
+    figure.subplots_adjust(left=0.12, right=0.98, bottom=0.5 / height, top=1 - 0.4 / height, hspace=0.08)
+    for axis, panel in zip(axes[:, 0], panels):
+        for label, expression, style in panel.curves:
+            y = values(flight, expression)
+            axis.plot(flight.time, np.degrees(y) if panel.degrees else y, style, label=label, linewidth=1.2)
+        axis.set_ylabel(panel.ylabel)
+        axis.yaxis.set_label_coords(-0.09, 0.5)
+        axis.grid(True, alpha=0.3)
+        axis.ticklabel_format(axis="y", useOffset=False)
+        if len(panel.curves) > 1:
+            axis.legend(loc="best", fontsize="small")
+    axes[-1, 0].set_xlabel("time (s)")
+    axes[-1, 0].set_xlim(flight.time[0], max(flight.time[-1], 1e-9))
+    axes[0, 0].set_title(title)
+    return figure
+
+
+def write(out: Path, flight: Flight, name: str, first_figure: int) -> list[Path]:
+    """Draw every picture that the flight has the signals for into `out`/figures."""
+    folder = out / "figures"
+    folder.mkdir(exist_ok=True)
+    written = []
+    for number, (key, title, panels) in enumerate(PICTURES, first_figure):
+        if not available(flight, panels):
+            continue
+        ending = "" if flight.finished else f" (ended at {flight.time[-1]:.2f} s)"
+        figure = draw(flight, f"{name}: {title}{ending}", panels)
+        path = folder / f"figure_{number:02d}_{key}.png"
+        figure.savefig(path, dpi=120, pil_kwargs={"compress_level": 1})
+        written.append(path)
+    return written
