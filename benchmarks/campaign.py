@@ -43,8 +43,7 @@ def plain_run(values: dict[str, dict[str, float]]) -> float:
     from fmpy import extract, read_model_description
     from fmpy.fmi2 import FMU2Slave
 
-    from cosim.cli.app import fmu_path
-    from cosim.vehicle.closed_loop import CLOSED_LOOP
+    from cosim.vehicle.closed_loop import CLOSED_LOOP, fmu_path
 
     slaves, references, folders = {}, {}, []
     for name, model in (("scenario", "AhvScenario"), ("controller", "AhvController"), ("plant", "AhvPlant")):

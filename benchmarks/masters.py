@@ -115,11 +115,11 @@ def write_systems(folder: Path) -> dict[str, Path]:
 
     from cosim.ssp.write import write
     from cosim.vehicle import scenarios
-    from cosim.vehicle.closed_loop import chosen_presets, planned
+    from cosim.vehicle.closed_loop import closed_loop
 
     pair = small.pair(small.build(folder, others=False), a22=0.0)
     plan = scenarios.load("case2")
-    vehicle = planned(plan, "neural", {**plan.presets, **chosen_presets("calibrated")}, "native", [])
+    vehicle = closed_loop(plan).system
     files = {"two small C FMUs": folder / "small.ssp", "the vehicle (3 native FMUs)": folder / "vehicle.ssp"}
     write(files["two small C FMUs"], "small", pair, 0.001, 1.0)
     write(files["the vehicle (3 native FMUs)"], "vehicle", vehicle, 0.01, 300.0)

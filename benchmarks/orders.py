@@ -22,7 +22,7 @@ import small  # noqa: E402
 
 from cosim.master.flight import fly  # noqa: E402
 from cosim.vehicle import scenarios  # noqa: E402
-from cosim.vehicle.closed_loop import chosen_presets, planned  # noqa: E402
+from cosim.vehicle.closed_loop import assignments, closed_loop  # noqa: E402
 
 STEPS = (0.001, 0.002, 0.004, 0.008, 0.016)
 TOLERANCES = (1e-4, 1e-6, 1e-8)
@@ -54,7 +54,7 @@ class Vehicle:
         plan = scenarios.load("case1")
         # The FMUs' own steps as short as needed not to be seen.
         words = [f"plant.internal_step={fine}", f"controller.internal_step={fine}"]
-        self.system = planned(plan, "neural", {**plan.presets, **chosen_presets("calibrated")}, "native", words)
+        self.system = closed_loop(plan, values=assignments(words)).system
         self.scale = np.array([1000, 1000, .01, .01, .01, 1, 20, 1, 20])
 
     def truth(self, times):

@@ -28,8 +28,9 @@ from cosim.master.flight import fly_loaded, tick_count
 from cosim.master.fmu import FmuFile
 from cosim.master.loaded import Master, open_files
 from cosim.master.system import Component
-from cosim.vehicle.closed_loop import CONTROLLERS, fmu_path, wired
+from cosim.vehicle.closed_loop import fmu_path, wired
 from cosim.vehicle.metrics import metrics
+from cosim.vehicle.registry import LAWS
 
 FREE = {
     "neural": ["kV1", "kV2", "k_gamma", "kh", "kh1", "mu", "c_theta", "c_Q", "pitch_rate_gain", "R", "R_d",
@@ -99,7 +100,7 @@ class Bench:
 
     def __init__(self, law: str, preset: str, flights: str = "decoupled"):
         self.flights = SETS[flights]
-        fmus = {"scenario": "AhvScenario", "controller": CONTROLLERS[law], "plant": "AhvPlant"}
+        fmus = {"scenario": "AhvScenario", "controller": LAWS[law].fmu, "plant": "AhvPlant"}
         self.paths = {name: fmu_path("native", model) for name, model in fmus.items()}
         self.presets = {flight.preset: preset_of(self.paths["scenario"], flight.preset) for flight in self.flights}
         self.base = preset_of(self.paths["controller"], preset)

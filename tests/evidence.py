@@ -11,7 +11,7 @@ from cosim.master.flight import fly as fly_system
 from cosim.master.loaded import Master, open_files
 from cosim.master.system import System
 from cosim.vehicle import scenarios
-from cosim.vehicle.closed_loop import planned
+from cosim.vehicle.closed_loop import closed_loop
 from cosim.vehicle.metrics import metrics
 
 GROUPS = ("thrust", "lift", "drag", "moment", "forces")
@@ -21,8 +21,7 @@ Values = dict[str, dict]
 
 @cache
 def system(case: str, law: str, preset: str, plant: str) -> System:
-    plan = scenarios.load(case)
-    return planned(plan, law, {**plan.presets, "controller": preset}, "native", [], plant)
+    return closed_loop(scenarios.load(case), law, plant, presets={"controller": preset}).system
 
 
 def with_values(base: System, values: Values) -> System:

@@ -14,7 +14,8 @@ from ..master.loaded import open_files
 from ..master.system import System, Value
 from ..master.wiring import checked_connections, picked
 from ..vehicle import scenarios
-from ..vehicle.closed_loop import FLAVOURS, PLANTS, planned
+from ..vehicle.closed_loop import FLAVOURS, ClosedLoop, assignments, closed_loop, names_file
+from ..vehicle.registry import PLANTS
 from ..vehicle.scenarios import Scenario
 from .criteria import METRICS, metrics_of
 from .dispersions import Fmus, all_draws, all_mixings, checked, constants, with_values
@@ -22,6 +23,7 @@ from .sampling import Draw, Sampler
 from .spec import Campaign, Law
 from .yaml_file import Source
 
+COMMANDS = {"scenario.h_command", "scenario.V_command"}  # from which the reference is filtered where no law shows it
 NEEDED = ["plant.h", "plant.V", "plant.h_true", "plant.V_true", "controller.h_reference", "controller.V_reference",
           "controller.elevator", "controller.fuel_ratio", "controller.phi_hat_1", "controller.phi_hat_2"]
 TICKS_PER_TASK, MOST_PER_TASK, LEAST_TASKS = 200_000, 200, 16
@@ -51,6 +53,7 @@ class Plan:
     campaign: Campaign
     scenario: Scenario
     stop: float
+    loops: dict[str, ClosedLoop]          # of each law, before anything is drawn
     constants: dict[str, Value]           # what dispersions set without drawing it
     job: Job
     fmus: dict[str, Path]                 # SHA256/FILE.fmu -> the file
@@ -88,9 +91,11 @@ def load(path: Path) -> Plan:
 
 
 def make(campaign: Campaign, source: Source) -> Plan:
-    for field, allowed in (("flavour", FLAVOURS), ("plant", tuple(PLANTS)), ("worst_by", (None, *METRICS))):
+    for field, allowed in (("flavour", FLAVOURS), ("worst_by", (None, *METRICS))):
         if (given := getattr(campaign, field)) not in allowed:
             source.fail((field,), f"there is no {given}; there are {', '.join(filter(None, allowed))}")
+    if campaign.plant not in PLANTS and not names_file(campaign.plant):
+        source.fail(("plant",), f"there is no {campaign.plant}; there are {', '.join(PLANTS)}, or a FILE.fmu")
     with source.at("scenario"):
         scenario = scenarios.load(beside(source.path, campaign.scenario))
     stop = campaign.stop or scenario.stop
@@ -98,10 +103,11 @@ def make(campaign: Campaign, source: Source) -> Plan:
         ticks = tick_count(campaign.step, stop)
     with source.at("algorithm"):
         method(campaign.algorithm)
-    systems, record, draws, fmus = {}, {}, {}, {}
+    systems, record, draws, fmus, loops = {}, {}, {}, {}, {}
     for i, law in enumerate(campaign.controllers):
         with source.at("controllers", i):
-            system = system_of(campaign, scenario, law)
+            loop = loop_of(campaign, scenario, law, source.path.parent)
+            system, loops[law.name] = loop.system, loop
         with open_files(system) as files:
             check_values(source, campaign, law, i, system, files)
             draws[law.name] = all_draws(source, campaign, system, files)
@@ -123,7 +129,7 @@ def make(campaign: Campaign, source: Source) -> Plan:
     job = Job(hashlib.sha256(json.dumps(fingerprint, sort_keys=True).encode()).hexdigest(), systems, record,
               campaign.step, ticks, campaign.algorithm, campaign.success, campaign.timeout_s,
               draws, sampler, campaign.signals.share, campaign.signals.failures, campaign.signals.decimate)
-    return Plan(source.path, campaign, scenario, stop, fixed, job, fmus, fingerprint, runs_per_task)
+    return Plan(source.path, campaign, scenario, stop, loops, fixed, job, fmus, fingerprint, runs_per_task)
 
 
 def beside(path: Path, scenario: str) -> str:
@@ -132,13 +138,10 @@ def beside(path: Path, scenario: str) -> str:
     return str(file.resolve()) if scenario not in scenarios.BUILT_IN and file.is_file() else scenario
 
 
-def presets(campaign: Campaign, scenario: Scenario, law: Law) -> dict[str, str]:
-    return {**scenario.presets, **campaign.presets, "controller": law.preset}
-
-
-def system_of(campaign: Campaign, scenario: Scenario, law: Law) -> System:
-    words = [f"{name}={value}" for name, value in {**campaign.set, **law.set}.items()]
-    return planned(scenario, law.law, presets(campaign, scenario, law), campaign.flavour, words, campaign.plant)
+def loop_of(campaign: Campaign, scenario: Scenario, law: Law, folder: Path) -> ClosedLoop:
+    presets = {**campaign.presets, **({"controller": law.preset} if law.preset else {})}
+    values = assignments([f"{name}={value}" for name, value in {**campaign.set, **law.set}.items()])
+    return closed_loop(scenario, law.law, campaign.plant, campaign.flavour, presets, values, folder=folder)
 
 
 def check_values(source: Source, campaign: Campaign, law: Law, number: int, system: System, files: Fmus) -> None:
@@ -159,7 +162,10 @@ def check_values(source: Source, campaign: Campaign, law: Law, number: int, syst
 def recorded(source: Source, campaign: Campaign, system: System, files: Fmus) -> list[str]:
     """What is recorded of a law: what the metrics need, and what the file asks for where this law has it."""
     known = dict(files)
-    chosen = picked(system, known, None) & set(NEEDED)
+    shown = picked(system, known, None)
+    chosen = shown & set(NEEDED)
+    if "controller.h_reference" not in chosen or "controller.V_reference" not in chosen:
+        chosen |= shown & COMMANDS
     for pattern in campaign.signals.record:
         try:
             chosen |= picked(system, known, [pattern])

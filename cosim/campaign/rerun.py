@@ -2,20 +2,28 @@
 import shlex
 from typing import Any
 
+from ..vehicle.closed_loop import FOLLOWS, absolute
 from .plan import Plan
 
 
 def command(plan: Plan, row: dict[str, Any]) -> str:
     """`row` is one of runs.parquet. Numbers are written out in full, so the run is the same to the last bit."""
-    campaign = plan.campaign
+    campaign, folder = plan.campaign, plan.path.parent
     law = next(law for law in campaign.controllers if law.name == row["controller"])
-    presets = {"controller": law.preset, **campaign.presets}
     drawn = {target: row[d.name] for d in plan.draws[law.name] for target in d.targets}
-    values = {**campaign.set, **law.set, **plan.constants, **drawn}
-    words = ["ahv", "run", plan.scenario_word, "--controller", law.law,
-             "--preset", ",".join(f"{component}={name}" for component, name in presets.items()),
-             "--flavour", campaign.flavour, "--plant", campaign.plant, "--step", repr(campaign.step),
+    values = {**commanded(plan, law.name), **campaign.set, **law.set, **plan.constants, **drawn}
+    words = ["ahv", "run", plan.scenario_word, "--controller", absolute(law.law, folder),
+             "--preset", ",".join(f"{component}={name}" for component, name in plan.loops[law.name].presets.items()),
+             "--flavour", campaign.flavour, "--plant", absolute(campaign.plant, folder), "--step", repr(campaign.step),
              "--stop", repr(plan.stop), "--algorithm", campaign.algorithm]
     for name, value in values.items():
         words += ["--set", f"{name}={value!r}" if isinstance(value, float) else f"{name}={value}"]
     return shlex.join(words)
+
+
+def commanded(plan: Plan, law: str) -> dict[str, Any]:
+    """The commands of the campaign where a start is drawn: on the command line they would follow that start."""
+    targets = {target for d in plan.draws[law] for target in d.targets}
+    scenario = plan.loops[law].system.components[0]
+    return {f"scenario.{command}": scenario.values[command] for command, start in FOLLOWS.items()
+            if f"plant.{start}" in targets}

@@ -125,9 +125,9 @@ class Correlation(Strict):
 
 
 class Law(Strict):
-    """A controller to fly; `name` tells two presets of one law apart."""
+    """A controller to fly, by a word or as NAME=FILE.fmu; `name` tells two presets of one law apart."""
     law: str
-    preset: str = "calibrated"
+    preset: str | None = Field(default=None, description="else the scenario's, or the law's own")
     name: str = ""
     set: dict[Name, Finite | bool | str] = {}
 
@@ -172,7 +172,7 @@ class Campaign(Strict):
     @field_validator("controllers")
     @classmethod
     def named(cls, value: list[Law]) -> list[Law]:
-        found = [law if law.name else law.model_copy(update={"name": law.law}) for law in value]
+        found = [law if law.name else law.model_copy(update={"name": law.law.partition("=")[0]}) for law in value]
         names = [law.name for law in found]
         for name in names:
             if names.count(name) > 1:

@@ -20,7 +20,7 @@ from ..master.algorithms import method
 from ..master.flight import Flight, fly_loaded
 from ..master.loaded import Master, open_files
 from ..master.system import System, Value
-from ..vehicle.metrics import metrics, truth
+from ..vehicle.metrics import metrics, tracking_errors
 from .criteria import METRICS, holds
 from .dispersions import with_values
 from .plan import Job
@@ -206,8 +206,7 @@ def errors_over_time(flight: Flight, ticks: int) -> dict[str, np.ndarray]:
     """Errors at fixed shares of the whole time, as far as the flight came."""
     at = np.unique(np.linspace(0, ticks, ENVELOPE_POINTS + 1).round().astype(int))
     at = at[at < len(flight.time)]
-    return {"altitude_error_ft": (truth(flight, "h") - flight["controller.h_reference"])[at].astype(np.float32),
-            "velocity_error_fps": (truth(flight, "V") - flight["controller.V_reference"])[at].astype(np.float32)}
+    return {name: error[at].astype(np.float32) for name, error in tracking_errors(flight).items()}
 
 
 JOBS: dict[str, Job] = {}

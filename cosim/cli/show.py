@@ -1,5 +1,6 @@
 """Shows results to people: tables on the terminal, or one JSON object."""
 import json
+import sys
 from typing import Any
 
 
@@ -38,3 +39,9 @@ def short(loop: dict[str, Any]) -> dict[str, Any]:
     """Poles as text, one of each pair."""
     return {f"pole {i}": f"{p['real']:.3f} +-{p['imag']:.3f}j"
             for i, p in enumerate(p for p in loop["poles"] if p["imag"] >= 0)}
+
+
+def note(texts: list[str]) -> None:
+    """What a reader should know although the run goes on, on stderr."""
+    for text in texts:
+        print(f"ahv: {text}", file=sys.stderr)

@@ -27,6 +27,7 @@ from fmpy.model_description import ModelDescription, ScalarVariable
 
 from ..errors import RunError, UsageError
 from . import last_call
+from .quantities import in_unit_of
 from .system import Value
 from .unpack import BadArchive, safe_extract
 
@@ -157,6 +158,8 @@ class FmuFile:
             if str(value).lower() not in words:
                 raise UsageError(f"{full} = {value} is not allowed: it is true or false.")
             return words[str(value).lower()]
+        if isinstance(value, str):
+            value = in_unit_of(v, self.description, value, full)
         try:
             number = float(value)
         except ValueError:

@@ -168,8 +168,8 @@ class Parent:
         return flight
 
 
-def launch(system: System, step: float, stop: float, algorithm: str, progress: Progress | None, isolate: bool,
-           time_limit: float | None, **options: Any) -> Flight:
+def launch(system: System, step: float, stop: float, algorithm: str = "gauss-seidel", progress: Progress | None = None,
+           isolate: bool = False, time_limit: float | None = None, **options: Any) -> Flight:
     """`flight.fly`, here or in a process of its own."""
     if isolate or time_limit is not None:
         return fly_isolated(system, step, stop, algorithm, progress, time_limit, **options)

@@ -1,42 +1,101 @@
-"""Our closed loop by words: which FMU files, which presets, which values."""
+"""The closed loop as a system: which FMU files, which presets, which values, wired how."""
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from ..errors import UsageError
 from ..master.system import Component, Connection, System, Value
+from .registry import LAWS, PLANTS, SCENARIO, Model
+from .scenarios import Scenario
 
 DIST = Path(__file__).parents[2] / "fmus" / "dist"
-CONTROLLERS = {"neural": "AhvController", "backstepping": "AhvBackstepping"}
-PLANTS = {"ideal": "AhvPlant", "instrumented": "AhvInstrumentedPlant"}
 FLAVOURS = ("python", "native")
+Values = dict[str, dict[str, Value]]  # component -> variable -> value
+
+# source, target, the variables of both. What a component of somebody else may lack is in OPTIONAL.
 CLOSED_LOOP = [
     ("scenario", "controller", ("V_command", "h_command")),
     ("scenario", "plant", ("scale_thrust", "scale_lift", "scale_drag", "scale_moment", "scale_forces")),
     ("plant", "controller", ("V", "h", "gamma", "theta", "Q")),
     ("controller", "plant", ("fuel_ratio", "elevator")),
 ]
+OPTIONAL = {"controller": {"V_command", "h_command", "V", "h", "gamma", "theta", "Q"},
+            "plant": {"scale_thrust", "scale_lift", "scale_drag", "scale_moment", "scale_forces"}}
+Link = tuple[str, str, str]
+LINKS: list[Link] = [(source, target, name) for source, target, shared in CLOSED_LOOP for name in shared]
+
+# Where nobody says what is commanded, it is where the vehicle starts.
+FOLLOWS = {"V_command_base": "V_start", "h_command_base": "h_start"}
 
 
-def wired(scenario: Component, controller: Component, plant: Component) -> System:
-    """The vehicle under control: scenario -> controller -> plant, and the measurements back."""
-    connections = tuple(Connection(f"{source}.{name}", f"{target}.{name}")
-                        for source, target, shared in CLOSED_LOOP for name in shared)
-    return System((scenario, controller, plant), connections)
+@dataclass(frozen=True)
+class Choice:
+    """An FMU for one place of the loop: the name that results give it, and its preset where nobody says another."""
+    name: str
+    fmu: Path
+    preset: str | None = None
+    ours: bool = True
 
 
-def choice(option: str, value: str, allowed: Any) -> str:
+@dataclass(frozen=True)
+class ClosedLoop:
+    """A system to fly, with what its parts are called and whose preset each one flies."""
+    system: System
+    controller: str
+    plant: str
+    presets: dict[str, str]        # component -> preset
+    preset_from: dict[str, str]    # component -> command line, scenario or default
+    foreign: bool                  # whether somebody else's FMU is in it, which may crash
+    notes: list[str]               # what a reader should know although the loop flies
+
+    @property
+    def preset(self) -> str | None:
+        """The controller's."""
+        return self.presets.get("controller")
+
+
+def choice(option: str, value: str, allowed: Iterable[str]) -> str:
+    """`value` itself. Raises UsageError unless it is one of `allowed`."""
     if value not in allowed:
         raise UsageError(f"--{option} {value} is not known; there are {', '.join(allowed)}.")
     return value
 
 
 def fmu_path(flavour: str, model: str) -> Path:
+    """Where the FMU of our model is built. Raises UsageError for an unknown flavour."""
     return DIST / choice("flavour", flavour, FLAVOURS) / f"{model}.fmu"
 
 
-def assignments(words: list[str]) -> dict[str, dict[str, Value]]:
-    """--set words as component -> variable -> value."""
-    result: dict[str, dict[str, Value]] = {}
+def names_file(word: str) -> bool:
+    """Whether `word` is FILE.fmu or NAME=FILE.fmu, and not a word of the registry."""
+    return "=" in word or word.endswith(".fmu")
+
+
+def chosen(option: str, word: str, known: Mapping[str, Model], flavour: str, folder: Path = Path()) -> Choice:
+    """What `word` names: one of ours, or anybody's FMU as FILE.fmu or NAME=FILE.fmu (below `folder`, if relative).
+
+    Raises UsageError if it is neither.
+    """
+    if names_file(word):
+        name, _, file = word.rpartition("=")
+        path = folder / Path(file).expanduser()
+        return Choice(name or path.stem, path, ours=False)
+    if word not in known:
+        raise UsageError(f"--{option} {word} is not known; there are {', '.join(known)}, or any FMU as NAME=FILE.fmu.")
+    return Choice(word, fmu_path(flavour, known[word].fmu), known[word].preset)
+
+
+def absolute(word: str, folder: Path) -> str:
+    """`word` as `chosen` takes it, with the file that it names (if it names one) as an absolute path."""
+    if not names_file(word):
+        return word
+    name, equals, file = word.rpartition("=")
+    return f"{name}{equals}{(folder / Path(file).expanduser()).resolve()}"
+
+
+def assignments(words: list[str]) -> Values:
+    """COMPONENT.VARIABLE=VALUE words. Raises UsageError for one of another form."""
+    result: Values = {}
     for word in words:
         target, equals, value = word.partition("=")
         component, dot, variable = target.partition(".")
@@ -46,35 +105,115 @@ def assignments(words: list[str]) -> dict[str, dict[str, Value]]:
     return result
 
 
-def assemble(fmus: dict[str, Path], presets: dict[str, str], values: dict[str, dict[str, Value]]) -> System:
-    """The closed loop with presets, then values, applied."""
+def chosen_presets(word: str | None) -> dict[str, str]:
+    """--preset: a controller preset, or COMPONENT=NAME pairs separated by commas; component -> preset."""
+    pairs = [part.rpartition("=") for part in word.split(",")] if word else []
+    return {component or "controller": name for component, _, name in pairs}
+
+
+def whose_preset(said: Mapping[str, str], scenario: Scenario, default: Mapping[str, str | None]
+                 ) -> tuple[dict[str, str], dict[str, str]]:
+    """Command line over scenario over default: component -> preset, and component -> which of them said it."""
+    presets: dict[str, str] = {}
+    said_by: dict[str, str] = {}
+    for origin, given in (("default", default), ("scenario", scenario.presets), ("command line", said)):
+        for component, name in given.items():
+            if name is not None:
+                presets[component], said_by[component] = name, origin
+    return presets, said_by
+
+
+def merged(*layers: Values) -> Values:
+    """Values of all layers, the later ones over the earlier."""
+    result: Values = {}
+    for layer in layers:
+        for component, given in layer.items():
+            result.setdefault(component, {}).update(given)
+    return result
+
+
+def closed_loop(scenario: Scenario, controller: str = "neural", plant: str = "ideal", flavour: str = "native",
+                presets: Mapping[str, str] | None = None, values: Values | None = None,
+                uncertainty: float | None = None, folder: Path = Path()) -> ClosedLoop:
+    """The loop that flies `scenario`.
+
+    `controller` and `plant` are words of the registry, or anybody's FMUs as NAME=FILE.fmu, relative to `folder`.
+    `presets` (component -> name) and `values` stand over those of the scenario. `uncertainty` is the amplitude of
+    the coefficients that the scenario lets swing.
+
+    Raises UsageError for what is not known or does not fit.
+    """
     from ..master.fmu import preset  # fmpy takes its time
 
-    components = {}
-    for name, path in fmus.items():
-        component = Component(name, path)
-        if name in presets:
-            component = component.with_values(preset(path, presets[name]))
-        components[name] = component.with_values(values.get(name, {}))
-    for name in {*presets, *values} - set(components):
-        raise UsageError(f"There is no component {name}; there are {', '.join(components)}.")
-    return wired(components["scenario"], components["controller"], components["plant"])
+    parts = {"scenario": Choice("scenario", fmu_path(flavour, SCENARIO.fmu), SCENARIO.preset),
+             "controller": chosen("controller", controller, LAWS, flavour, folder),
+             "plant": chosen("plant", plant, PLANTS, flavour, folder)}
+    names, said_by = whose_preset(presets or {}, scenario, {c: part.preset for c, part in parts.items()})
+    given = merged(assignments([f"{name}={value}" for name, value in scenario.set.items()]), values or {})
+    for component in {*names, *given} - set(parts):
+        raise UsageError(f"There is no component {component}; there are {', '.join(parts)}.")
+    of_plant = given.get("plant", {})
+    commanded = {command: of_plant[start] for command, start in FOLLOWS.items() if start in of_plant}
+    flown = merged({c: preset(part.fmu, names[c]) for c, part in parts.items() if c in names},
+                   {"scenario": commanded}, given)
+    if uncertainty is not None:
+        flown = merged(flown, {"scenario": swings(scenario.name, flown["scenario"], uncertainty)})
+    components = {c: Component(c, part.fmu, flown.get(c, {})) for c, part in parts.items()}
+    foreign = {c for c, part in parts.items() if not part.ours}
+    links, notes = fitting(components, foreign) if foreign else (LINKS, [])
+    return ClosedLoop(wired(**components, links=links), parts["controller"].name, parts["plant"].name, names, said_by,
+                      bool(foreign), notes)
 
 
-def planned(plan: Any, controller: str, presets: dict[str, str], flavour: str, words: list[str],
-            plant: str = "ideal") -> System:
-    """The closed loop of the scenario `plan`, with --set `words` applied last."""
-    fmus = {"scenario": fmu_path(flavour, "AhvScenario"),
-            "controller": fmu_path(flavour, CONTROLLERS[choice("controller", controller, CONTROLLERS)]),
-            "plant": fmu_path(flavour, PLANTS[choice("plant", plant, PLANTS)])}
-    values = assignments([f"{name}={value}" for name, value in plan.set.items()])
-    for component, given in assignments(words).items():
-        values.setdefault(component, {}).update(given)
-    return assemble(fmus, presets, values)
+def swings(name: str, values: Mapping[str, Value], amplitude: float) -> dict[str, Value]:
+    """`amplitude` for each coefficient scale that swings. Raises UsageError if none does."""
+    found: dict[str, Value] = {key: amplitude for key, value in values.items()
+                               if key.startswith("scale_") and key.endswith("_sine") and value not in (0.0, "0", "0.0")}
+    if not found:
+        raise UsageError(f"--uncertainty {amplitude:g} has nothing to act on: no coefficient of {name} changes.")
+    return found
 
 
-def chosen_presets(word: str) -> dict[str, str]:
-    """--preset: a controller preset, or COMPONENT=NAME pairs separated by commas."""
-    pairs = [part.rpartition("=") for part in word.split(",")]
-    presets = {component or "controller": name for component, _, name in pairs}
-    return {"controller": "calibrated", **presets}
+def wired(scenario: Component, controller: Component, plant: Component, links: list[Link] = LINKS) -> System:
+    """The vehicle under control: scenario -> controller -> plant, and the measurements back."""
+    return System((scenario, controller, plant),
+                  tuple(Connection(f"{source}.{name}", f"{target}.{name}") for source, target, name in links))
+
+
+def fitting(components: Mapping[str, Component], foreign: set[str]) -> tuple[list[Link], list[str]]:
+    """The links whose ports are there, and notes on optional ports that are not.
+
+    Raises UsageError, by name, for a port that is missing or has another unit in a component that is `foreign`.
+    """
+    ports = {name: ports_of(component.fmu) for name, component in components.items()}
+    fit: list[Link] = []
+    unwired: dict[str, list[str]] = {}
+    for source, target, name in LINKS:
+        lacking = [(component, kind) for component, kind in ((source, "output"), (target, "input"))
+                   if ports[component].get(name, ("", ""))[0] != kind]
+        for component, kind in lacking:
+            file = components[component].fmu.name
+            if kind == "output" or name not in OPTIONAL[component]:
+                raise UsageError(f"{component} ({file}) has no {kind} {name}, which the closed loop needs.")
+            unwired.setdefault(f"{component} ({file})", []).append(name)
+        if lacking:
+            continue
+        units = ports[source][name][1], ports[target][name][1]
+        if all(units) and units[0] != units[1]:
+            which, other = (target, units[0]) if target in foreign else (source, units[1])
+            raise UsageError(f"{which} ({components[which].fmu.name}) has {name} in {ports[which][name][1]}; "
+                             f"the closed loop has it in {other}.")
+        fit.append((source, target, name))
+    return fit, [f"{who} has no input {', '.join(names)}: not connected." for who, names in unwired.items()]
+
+
+def ports_of(path: Path) -> dict[str, tuple[str, str]]:
+    """Name -> (causality, unit or "") of an FMU's inputs and outputs. Raises UsageError for no such FMU."""
+    from ..master.fmu import FmuFile
+
+    file = FmuFile.open(path)
+    try:
+        return {v.name: (v.causality, v.unit or "") for v in file.description.modelVariables
+                if v.causality in ("input", "output")}
+    finally:
+        file.close()

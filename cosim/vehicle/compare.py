@@ -1,8 +1,8 @@
 """Control laws on the same run: a table, and figures with a curve for each."""
+import json
 import re
 import time
 import zipfile
-from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -13,16 +13,20 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
-from ..master.flight import Flight, fly
+from ..errors import UsageError
+from ..master.flight import Flight
 from ..master.fmu import FmuFile
+from ..master.isolated import launch
+from ..master.results import prepare_folder
 from ..master.system import System
-from .figures import Panel, values
-from .metrics import metrics, truth
+from . import scenarios
+from .closed_loop import ClosedLoop, closed_loop
+from .figures import Panel, available
+from .metrics import metrics
+from .registry import LAWS
+from .scenarios import Scenario
+from .signals import signal, truth
 
-# Column -> law and preset. The rival and `robust` were tuned by the same script, with the same cost and budget.
-COMPARED = {"neural": ("neural", "calibrated"), "neural, robust": ("neural", "robust"),
-            "backstepping": ("backstepping", "calibrated")}
-SHOWN = {"backstepping": "backstepping (a reconstruction)"}  # what the paper compares with could not be had
 SETTLED = 0.02  # of a command's step
 COST_STEPS = 5000
 
@@ -71,16 +75,17 @@ def figures_of(flight: Flight) -> dict[str, Any]:
     step = float(flight.time[1] - flight.time[0]) if len(flight.time) > 1 else 0.0
     for name, key in (("h", "altitude_settling_s"), ("V", "velocity_settling_s")):
         result[key] = settling(flight.time, flight[f"scenario.{name}_command"], truth(flight, name))
-    result["elevator_saturated_s"] = step * float(flight["controller.elevator_saturated"].sum())
-    result["fuel_saturated_s"] = step * float(flight["controller.fuel_ratio_saturated"].sum())
+    for key, name in (("elevator_saturated_s", "elevator_saturated"), ("fuel_saturated_s", "fuel_ratio_saturated")):
+        flag = f"controller.{name}"
+        result[key] = step * float(flight[flag].sum()) if flight.has(flag) else None
     return {"finished": flight.finished, "departed_at_s": None if flight.finished else float(flight.time[-1]), **result}
 
 
-def size_of(path: Path, preset: str) -> dict[str, int | None]:
+def size_of(path: Path, preset: str | None) -> dict[str, int | None]:
     """States (as a native FMU's sources tell), parameters, and parameters that the preset sets."""
     file = FmuFile.open(path)
     try:
-        parameters, tuned = len(file.names("parameter")), len(file.preset(preset))
+        parameters, tuned = len(file.names("parameter")), len(file.preset(preset)) if preset else None
     finally:
         file.close()
     with zipfile.ZipFile(path) as archive:
@@ -89,24 +94,59 @@ def size_of(path: Path, preset: str) -> dict[str, int | None]:
     return {"states": int(states[1]) if states else None, "parameters": parameters, "preset_parameters": tuned}
 
 
-def cost_per_step(system: System, step: float) -> float:
+def cost_per_step(loop: ClosedLoop, step: float) -> float:
     """Microseconds of wall time per step of the controller alone, inputs held, the quickest of five flights."""
-    alone = System(tuple(replace(c) for c in system.components if c.name == "controller"), ())
-    walls = [fly(alone, step, step * COST_STEPS, record=["controller.elevator"]).wall_s for _ in range(5)]
+    alone = System(tuple(c for c in loop.system.components if c.name == "controller"), ())
+    walls = [launch(alone, step, step * COST_STEPS, isolate=loop.foreign, record=["controller.elevator"]).wall_s
+             for _ in range(5)]
     return 1e6 * min(walls) / COST_STEPS
 
 
-def compare(systems: dict[str, System], presets: dict[str, str], step: float, stop: float
-            ) -> tuple[dict[str, Flight], dict[str, dict[str, Any]]]:
-    """Fly every law's system; the flights and what they are compared by."""
-    flights, table = {}, {}
-    for law, system in systems.items():
+def loops_of(plan: Scenario, controllers: list[str], plant: str, flavour: str) -> dict[str, ClosedLoop]:
+    """Column -> loop: each of `controllers` (none: all of ours) with the presets that the registry compares."""
+    loops: dict[str, ClosedLoop] = {}
+    for word in controllers or LAWS:
+        presets = LAWS[word].compared if word in LAWS else (None,)
+        for preset in presets:
+            loop = closed_loop(plan, word, plant, flavour, {"controller": preset} if preset else {})
+            column = loop.controller if preset == presets[0] else f"{loop.controller}, {preset}"
+            if column in loops:
+                raise UsageError(f"--controller {word}: there are two controllers called {column}.")
+            loops[column] = loop
+    return loops
+
+
+def shown(column: str) -> str:
+    """A column's name with what has to be said of its law."""
+    remark = LAWS[column].remark if column in LAWS else ""
+    return f"{column} ({remark})" if remark else column
+
+
+def compare(scenario: str | Scenario, controllers: list[str] | None = None, plant: str = "ideal",
+            flavour: str = "native", step: float = 0.01, stop: float | None = None, out: Path | None = None
+            ) -> tuple[dict[str, Any], dict[str, Flight], list[str]]:
+    """Fly `controllers` (words of the registry or anybody's FMUs as NAME=FILE.fmu; none: all of ours) on one scenario.
+
+    Returns the summary as compare.json has it, the flights by column, and notes. Writes compare.json and figures to
+    `out`, else to results/compare_SCENARIO. Raises what `run` raises.
+    """
+    plan = scenarios.load(scenario) if isinstance(scenario, str) else scenario
+    folder = out or Path("results") / f"compare_{plan.name}"
+    prepare_folder(folder)
+    loops = loops_of(plan, controllers or [], plant, flavour)
+    flights: dict[str, Flight] = {}
+    rows: dict[str, dict[str, Any]] = {}
+    for column, loop in loops.items():
         began = time.perf_counter()
-        flights[law] = fly(system, step, stop)
-        controller = next(c for c in system.components if c.name == "controller")
-        table[law] = {"preset": presets[law], **figures_of(flights[law]), **size_of(controller.fmu, presets[law]),
-                      "cost_per_step_us": cost_per_step(system, step), "wall_s": time.perf_counter() - began}
-    return flights, table
+        flights[column] = launch(loop.system, step, plan.stop if stop is None else stop, isolate=loop.foreign)
+        controller = next(c for c in loop.system.components if c.name == "controller")
+        rows[column] = {"preset": loop.preset, **figures_of(flights[column]), **size_of(controller.fmu, loop.preset),
+                        "cost_per_step_us": cost_per_step(loop, step), "wall_s": time.perf_counter() - began}
+    write(folder, flights, plan.name)
+    summary = {"scenario": plan.name, "flavour": flavour, "step_s": step, "controllers": rows,
+               "verdict": verdict(rows), "out": str(folder)}
+    (folder / "compare.json").write_text(json.dumps(summary, indent=2) + "\n")
+    return summary, flights, list(dict.fromkeys(note for loop in loops.values() for note in loop.notes))
 
 
 BETTER = (("maximum altitude error", ("altitude_error_ft", "max_abs"), "ft"),
@@ -120,7 +160,7 @@ def verdict(table: dict[str, dict[str, Any]]) -> str:
     """One sentence: which law has the smallest figure in what."""
     departed = [law for law, row in table.items() if not row["finished"]]
     if departed:
-        return f"{' and '.join(SHOWN.get(law, law) for law in departed)} departed."
+        return f"{' and '.join(shown(law) for law in departed)} departed."
     won: dict[str, list[str]] = {law: [] for law in table}
     for name, keys, unit in BETTER:
         found = {}
@@ -132,7 +172,7 @@ def verdict(table: dict[str, dict[str, Any]]) -> str:
         best = min(found, key=found.__getitem__)
         others = " and ".join(f"{v:.3g}" for law, v in found.items() if law != best)
         won[best].append(f"{name} ({found[best]:.3g} against {others} {unit})")
-    sentences = [f"{SHOWN.get(law, law)} has the smallest {', '.join(what)}" for law, what in won.items() if what]
+    sentences = [f"{shown(law)} has the smallest {', '.join(what)}" for law, what in won.items() if what]
     return "; ".join(sentences) + "."
 
 
@@ -141,12 +181,12 @@ def draw(flights: dict[str, Flight], title: str, panels: tuple[Panel, ...]) -> A
     for axis, panel in zip(axes[:, 0], panels):
         for name, expression, style in panel.curves:
             for i, (law, flight) in enumerate(flights.items()):
-                y = values(flight, expression)
+                y = signal(flight, expression)
                 y = np.degrees(y) if panel.degrees else y
                 if style and i == 0:
                     axis.plot(flight.time, y, style, label=name, linewidth=1.0, zorder=3)
                 elif not style:
-                    axis.plot(flight.time, y, f"C{i}", label=SHOWN.get(law, law), linewidth=1.1, alpha=0.9)
+                    axis.plot(flight.time, y, f"C{i}", label=shown(law), linewidth=1.1, alpha=0.9)
         axis.set_ylabel(panel.ylabel)
         axis.grid(True, alpha=0.3)
         axis.ticklabel_format(axis="y", useOffset=False)
@@ -163,6 +203,8 @@ def write(folder: Path, flights: dict[str, Flight], name: str) -> list[Path]:
     """Every picture into `folder`, a file for each."""
     written = []
     for key, title, panels in PICTURES:
+        if not all(available(flight, panels) for flight in flights.values()):
+            continue
         figure = draw(flights, f"{name}: {title}", panels)
         written.append(folder / f"compare_{key}.png")
         figure.savefig(written[-1], dpi=110)

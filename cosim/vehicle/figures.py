@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure  # without pyplot, which takes its time and keeps every figure
 
 from ..master.flight import Flight
+from .signals import known, signal
 
 
 @dataclass(frozen=True)
@@ -39,14 +40,8 @@ PICTURES: list[tuple[str, str, tuple[Panel, ...]]] = [
 ]
 
 
-def values(flight: Flight, expression: str) -> np.ndarray:
-    """A column, or the difference of two written `a - b`."""
-    first, _, second = expression.partition(" - ")
-    return flight[first] - flight[second] if second else flight[first]
-
-
 def available(flight: Flight, panels: tuple[Panel, ...]) -> bool:
-    return all(flight.has(name) for panel in panels for _, expression, _ in panel.curves
+    return all(known(flight, name) for panel in panels for _, expression, _ in panel.curves
                for name in expression.split(" - "))
 
 
@@ -58,7 +53,7 @@ def draw(flight: Flight, title: str, panels: tuple[Panel, ...]) -> Figure:
     figure.subplots_adjust(left=0.12, right=0.98, bottom=0.5 / height, top=1 - 0.4 / height, hspace=0.08)
     for axis, panel in zip(axes[:, 0], panels):
         for label, expression, style in panel.curves:
-            y = values(flight, expression)
+            y = signal(flight, expression)
             axis.plot(flight.time, np.degrees(y) if panel.degrees else y, style, label=label, linewidth=1.2)
         axis.set_ylabel(panel.ylabel)
         axis.yaxis.set_label_coords(-0.09, 0.5)
@@ -72,17 +67,20 @@ def draw(flight: Flight, title: str, panels: tuple[Panel, ...]) -> Figure:
     return figure
 
 
-def write(out: Path, flight: Flight, name: str, first_figure: int) -> list[Path]:
-    """Draw every picture that the flight has the signals for into `out`/figures."""
+def write(out: Path, flight: Flight, name: str, first_figure: int | None = None) -> list[Path]:
+    """Draw every picture that the flight has the signals for into `out`/figures; their paths.
+
+    Files are numbered as in the paper from `first_figure` on, or have plain names without one.
+    """
     folder = out / "figures"
     folder.mkdir(exist_ok=True)
     written = []
-    for number, (key, title, panels) in enumerate(PICTURES, first_figure):
+    for number, (key, title, panels) in enumerate(PICTURES, first_figure or 0):
         if not available(flight, panels):
             continue
         ending = "" if flight.finished else f" (ended at {flight.time[-1]:.2f} s)"
         figure = draw(flight, f"{name}: {title}{ending}", panels)
-        path = folder / f"figure_{number:02d}_{key}.png"
+        path = folder / (f"{key}.png" if first_figure is None else f"figure_{number:02d}_{key}.png")
         figure.savefig(path, dpi=120, pil_kwargs={"compress_level": 1})
         written.append(path)
     return written

@@ -4,6 +4,7 @@ from typing import Any
 import numpy as np
 
 from ..master.flight import Flight
+from .signals import signal, truth
 
 
 def error(values: np.ndarray) -> dict[str, float]:
@@ -11,19 +12,18 @@ def error(values: np.ndarray) -> dict[str, float]:
     return {"max_abs": float(np.max(np.abs(values))), "rms": float(np.sqrt(np.mean(values**2)))}
 
 
-def truth(flight: Flight, name: str) -> np.ndarray:
-    """A state of the plant as it is, where the plant also has a sensor's view of it."""
-    true = f"plant.{name}_true"
-    return flight[true if flight.has(true) else f"plant.{name}"]
+def tracking_errors(flight: Flight) -> dict[str, np.ndarray]:
+    """Plant minus the controller's reference, at the same time: ft and ft/s, shape (rows,)."""
+    return {name: truth(flight, state) - signal(flight, f"controller.{state}_reference")
+            for name, state in (("altitude_error_ft", "h"), ("velocity_error_fps", "V"))}
 
 
 def metrics(flight: Flight) -> dict[str, Any]:
-    """Tracking errors (plant minus the controller's reference, at the same time), inputs, estimates."""
+    """Tracking errors, what they took of the inputs, and the networks' estimates (None for other laws)."""
     elevator = np.degrees(flight["controller.elevator"])
     fuel_ratio = flight["controller.fuel_ratio"]
     result: dict[str, Any] = {
-        "altitude_error_ft": error(truth(flight, "h") - flight["controller.h_reference"]),
-        "velocity_error_fps": error(truth(flight, "V") - flight["controller.V_reference"]),
+        **{name: error(values) for name, values in tracking_errors(flight).items()},
         "elevator_deg": {"min": float(elevator.min()), "max": float(elevator.max()),
                          "travel": float(np.abs(np.diff(elevator)).sum())},
         "fuel_ratio": {"min": float(fuel_ratio.min()), "max": float(fuel_ratio.max())},

@@ -1,5 +1,4 @@
 """What to fly: the built-in scenarios, and one's own as YAML files."""
-from difflib import get_close_matches
 from pathlib import Path
 
 import yaml
@@ -10,17 +9,17 @@ from ..errors import UsageError
 
 class Scenario(BaseModel):
     """A flight: how long, which presets, which values. Components are scenario, controller and plant."""
-    model_config = ConfigDict(extra="forbid")
+    model_config = ConfigDict(extra="forbid", frozen=True)
 
     name: str
-    stop: float = Field(gt=0, description="s")
+    stop: float = Field(gt=0, allow_inf_nan=False, description="s")
     presets: dict[str, str] = Field(default={}, description="component -> preset of its FMU")
     set: dict[str, float | bool | str] = Field(default={}, description="component.variable -> value")
-    first_figure: int = Field(default=2, description="number of the first figure, as in the paper")
+    first_figure: int | None = Field(default=None, description="number of the first figure, as in the paper")
 
 
 BUILT_IN = {
-    "case1": Scenario(name="case1", stop=100, presets={"scenario": "case1"}),
+    "case1": Scenario(name="case1", stop=100, presets={"scenario": "case1"}, first_figure=2),
     "case2": Scenario(name="case2", stop=300, presets={"scenario": "case2"}, first_figure=8),
     "hold": Scenario(name="hold", stop=60, presets={"scenario": "hold"}),
 }
@@ -35,6 +34,8 @@ def load(word: str) -> Scenario:
         return BUILT_IN[word]
     path = Path(word)
     if not path.is_file():
+        from difflib import get_close_matches
+
         near = get_close_matches(word, BUILT_IN, 1)
         hint = f" Did you mean {near[0]}?" if near else ""
         raise UsageError(f"{word} is neither a scenario ({', '.join(BUILT_IN)}) nor a file.{hint}")

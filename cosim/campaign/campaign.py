@@ -1,4 +1,4 @@
-"""`ahv campaign`: from the file to the report."""
+"""A campaign from its file to its report: what `ahv campaign` does."""
 import time
 from pathlib import Path
 from typing import Any
@@ -48,13 +48,3 @@ def fly(plan: Any, store: Store, scheduler: str | None, workers: int | None) -> 
     flying = time.perf_counter() - began
     store.finish()
     return total - rows, flying
-
-
-def table(summary: dict[str, Any]) -> dict[str, Any]:
-    """The summary's few lines for a terminal."""
-    rows: dict[str, Any] = {"campaign": summary["campaign"]}
-    for law, found in summary["controllers"].items():
-        low, high = found["interval_95"]
-        rows[f"success, {law}"] = (f"{100 * found['probability']:.2f} % ({100 * low:.2f} to {100 * high:.2f}), "
-                                   f"{found['successes']:,} of {found['runs']:,}")
-    return {**rows, "wall_s": summary["wall_s"], "report": summary["report"]}

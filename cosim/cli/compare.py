@@ -1,0 +1,39 @@
+"""`ahv compare`."""
+import json
+from typing import Annotated
+
+import typer
+
+from ..errors import RunError
+from ..vehicle.registry import LAWS
+from .options import Flavour, Json, Out, Plant, ScenarioWord, Step, Stop
+from .show import note, report_rows
+
+
+def compare(
+    scenario: ScenarioWord,
+    controller: Annotated[list[str], typer.Option(metavar="NAME|NAME=FILE.fmu", help=f"{', '.join(LAWS)}, or any FMU "
+                                                  "with the same ports; else all of ours. Can be repeated.")] = [],  # noqa: B006
+    flavour: Flavour = "native",
+    plant: Plant = "ideal",
+    step: Step = 0.01,
+    stop: Stop = None,
+    out: Out = None,
+    as_json: Json = False,
+) -> None:
+    """Fly control laws on the same scenario: a table, and figures with a curve for each.
+
+    The backstepping law is a reconstruction of the one that the paper compares with. It and the neural law's preset
+    `robust` were tuned by the same script with the same cost and budget.
+    """
+    from ..vehicle.compare import compare as fly
+
+    summary, flights, notes = fly(scenario, controller, plant, flavour, step, stop, out)
+    note(notes)
+    if as_json:
+        print(json.dumps(summary))
+    else:
+        report_rows(summary["controllers"])
+        print(f"{summary['verdict']} Figures: {summary['out']}")
+    if not all(flight.finished for flight in flights.values()):
+        raise RunError(" ".join(f"{law}: {flight.message}" for law, flight in flights.items() if flight.message))

@@ -1,0 +1,28 @@
+"""Options that several commands share."""
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ..vehicle.registry import LAWS, PLANTS, choices
+
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout.")]
+Algorithm = Annotated[str, typer.Option(metavar="NAME[,OPTION=VALUE]...", help="gauss-seidel, jacobi, multi-rate, "
+                                        "variable or iterated; for example multi-rate,controller=5,hold=linear.")]
+Set = Annotated[list[str], typer.Option("--set", metavar="COMPONENT.VARIABLE=VALUE", help="Set a parameter or a start "
+                                        "value, with a unit if wanted (2deg). Can be repeated.")]
+ScenarioWord = Annotated[str, typer.Argument(metavar="SCENARIO", help="case1, case2, hold, or a YAML file.")]
+Controller = Annotated[str, typer.Option(metavar="NAME|NAME=FILE.fmu",
+                                         help=f"{choices(LAWS)}; or any FMU with the same ports.")]
+Plant = Annotated[str, typer.Option(metavar="NAME|FILE.fmu",
+                                    help=f"{choices(PLANTS)}; or any FMU with the same ports.")]
+Preset = Annotated[str | None, typer.Option(help="Preset of the controller, else the scenario's or the controller's "
+                                            "own; COMPONENT=NAME,... for other components.")]
+Flavour = Annotated[str, typer.Option(help="native or python.")]
+Step = Annotated[float, typer.Option(help="Communication step, s.")]
+Stop = Annotated[float | None, typer.Option(help="Stop time, s; else the scenario's.")]
+Uncertainty = Annotated[float | None, typer.Option(help="Amplitude of the coefficients' change, for example 0.5; else "
+                                                   "the scenario's.")]
+Velocity = Annotated[float, typer.Option("--V", help="Velocity, ft/s.")]
+Altitude = Annotated[float, typer.Option("--h", help="Altitude, ft.")]
+Out = Annotated[Path | None, typer.Option(help="Folder for the results; else below results/.")]

@@ -1,0 +1,54 @@
+"""`ahv run`."""
+from typing import Annotated
+
+import typer
+
+from ..errors import RunError
+from ..vehicle.closed_loop import assignments, chosen_presets
+from .options import (
+    Algorithm,
+    Controller,
+    Flavour,
+    Json,
+    Out,
+    Plant,
+    Preset,
+    ScenarioWord,
+    Set,
+    Step,
+    Stop,
+    Uncertainty,
+)
+from .show import note, report
+
+
+def run(
+    scenario: ScenarioWord,
+    controller: Controller = "neural",
+    preset: Preset = None,
+    flavour: Flavour = "native",
+    plant: Plant = "ideal",
+    step: Step = 0.01,
+    stop: Stop = None,
+    algorithm: Algorithm = "gauss-seidel",
+    uncertainty: Uncertainty = None,
+    plain: Annotated[bool, typer.Option("--plain", help="Run the tick loop in plain Python, not compiled.")] = False,
+    real_time: Annotated[float | None, typer.Option(metavar="[FACTOR]", help="Pace the run, FACTOR (1) times.")] = None,
+    isolate: Annotated[bool, typer.Option("--isolate", help="Fly in a process of its own, which may crash.")] = False,
+    time_limit: Annotated[float | None, typer.Option(metavar="S", help="Of one FMU call; isolates.")] = None,
+    stream: Annotated[bool, typer.Option("--stream", help="Write signals.parquet during the run, for long runs: no "
+                                         "CSV; metrics and figures use a part of the rows.")] = False,
+    set_: Set = [],  # noqa: B006  (typer wants a list)
+    decimate: Annotated[int, typer.Option(help="Write every N-th tick.", min=1)] = 1,
+    out: Out = None,
+    as_json: Json = False,
+) -> None:
+    """Fly a scenario and write signals, run.json and figures to results/SCENARIO."""
+    from ..vehicle.run import run as fly
+
+    done = fly(scenario, controller, chosen_presets(preset), plant, flavour, step, stop, algorithm, assignments(set_),
+               uncertainty, decimate, stream, isolate, time_limit, plain, real_time, out, progress=True)
+    note(done.notes)
+    report(done.summary, as_json)
+    if not done.flight.finished:
+        raise RunError(done.flight.message)

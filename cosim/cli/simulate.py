@@ -1,0 +1,26 @@
+"""`ahv simulate`."""
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ..errors import RunError
+from .options import Algorithm, Json, Out
+from .show import report
+
+
+def simulate(
+    file: Annotated[Path, typer.Argument(help="An SSP 1.0 file.")],
+    step: Annotated[float | None, typer.Option(help="Communication step, s; else the file's.")] = None,
+    stop: Annotated[float | None, typer.Option(help="Stop time, s; else the file's.")] = None,
+    algorithm: Algorithm = "gauss-seidel",
+    out: Out = None,
+    as_json: Json = False,
+) -> None:
+    """Fly any system of FMI 2.0 co-simulation FMUs; write signals and run.json to results/FILE."""
+    from ..ssp.simulate import simulate as fly
+
+    summary, message = fly(file, step, stop, algorithm, out)
+    report(summary, as_json)
+    if message:
+        raise RunError(message)
