@@ -26,6 +26,7 @@ LINKS: list[Link] = [(source, target, name) for source, target, shared in CLOSED
 
 # Where nobody says what is commanded, it is where the vehicle starts.
 FOLLOWS = {"V_command_base": "V_start", "h_command_base": "h_start"}
+NOT_FINITE = ("nan", "inf", "-inf")  # to be refused in the plant's name, not in that of the command
 
 
 @dataclass(frozen=True)
@@ -152,8 +153,8 @@ def closed_loop(scenario: Scenario, controller: str = "neural", plant: str = "id
     given = merged(assignments([f"{name}={value}" for name, value in scenario.set.items()]), values or {})
     for component in {*names, *given} - set(parts):
         raise UsageError(f"There is no component {component}; there are {', '.join(parts)}.")
-    of_plant = given.get("plant", {})
-    commanded = {command: of_plant[start] for command, start in FOLLOWS.items() if start in of_plant}
+    starts = {name: value for name, value in given.get("plant", {}).items() if str(value).lower() not in NOT_FINITE}
+    commanded = {command: starts[start] for command, start in FOLLOWS.items() if start in starts}
     flown = merged({c: preset(part.fmu, names[c]) for c, part in parts.items() if c in names},
                    {"scenario": commanded}, given)
     if uncertainty is not None:
