@@ -1,12 +1,17 @@
 """The closed loop as a system: which FMU files, which presets, which values, wired how."""
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ..errors import UsageError
 from ..master.system import Component, Connection, System, Value
 from .registry import LAWS, PLANTS, SCENARIO, Model
 from .scenarios import Scenario
+
+if TYPE_CHECKING:
+    from ..master.fmu import FmuFile
 
 DIST = Path(__file__).parents[2] / "fmus" / "dist"
 FLAVOURS = ("python", "native")
@@ -26,7 +31,6 @@ LINKS: list[Link] = [(source, target, name) for source, target, shared in CLOSED
 
 # Where nobody says what is commanded, it is where the vehicle starts.
 FOLLOWS = {"V_command_base": "V_start", "h_command_base": "h_start"}
-NOT_FINITE = ("nan", "inf", "-inf")  # to be refused in the plant's name, not in that of the command
 
 
 @dataclass(frozen=True)
@@ -153,8 +157,7 @@ def closed_loop(scenario: Scenario, controller: str = "neural", plant: str = "id
     given = merged(assignments([f"{name}={value}" for name, value in scenario.set.items()]), values or {})
     for component in {*names, *given} - set(parts):
         raise UsageError(f"There is no component {component}; there are {', '.join(parts)}.")
-    starts = {name: value for name, value in given.get("plant", {}).items() if str(value).lower() not in NOT_FINITE}
-    commanded = {command: starts[start] for command, start in FOLLOWS.items() if start in starts}
+    commanded = following(parts["plant"].fmu, given.get("plant", {}))
     flown = merged({c: preset(part.fmu, names[c]) for c, part in parts.items() if c in names},
                    {"scenario": commanded}, given)
     if uncertainty is not None:
@@ -164,6 +167,15 @@ def closed_loop(scenario: Scenario, controller: str = "neural", plant: str = "id
     links, notes = fitting(components, foreign) if foreign else (LINKS, [])
     return ClosedLoop(wired(**components, links=links), parts["controller"].name, parts["plant"].name, names, said_by,
                       bool(foreign), notes)
+
+
+def following(plant: Path, values: Mapping[str, Value]) -> dict[str, Value]:
+    """The scenario's commands that follow a start among `values`. Raises UsageError for a start that is not allowed."""
+    if not set(FOLLOWS.values()) & set(values):
+        return {}
+    with opened(plant) as file:
+        return {command: file.checked(start, values[start], "plant")
+                for command, start in FOLLOWS.items() if start in values}
 
 
 def swings(name: str, values: Mapping[str, Value], amplitude: float) -> dict[str, Value]:
@@ -210,11 +222,17 @@ def fitting(components: Mapping[str, Component], foreign: set[str]) -> tuple[lis
 
 def ports_of(path: Path) -> dict[str, tuple[str, str]]:
     """Name -> (causality, unit or "") of an FMU's inputs and outputs. Raises UsageError for no such FMU."""
-    from ..master.fmu import FmuFile
+    with opened(path) as file:
+        return {v.name: (v.causality, v.unit or "") for v in file.description.modelVariables
+                if v.causality in ("input", "output")}
+
+
+@contextmanager
+def opened(path: Path) -> Iterator["FmuFile"]:
+    from ..master.fmu import FmuFile  # fmpy takes its time
 
     file = FmuFile.open(path)
     try:
-        return {v.name: (v.causality, v.unit or "") for v in file.description.modelVariables
-                if v.causality in ("input", "output")}
+        yield file
     finally:
         file.close()
