@@ -5,7 +5,7 @@ from types import ModuleType
 import fmpy
 
 from .description import Flavour
-from .native_code import sources
+from .native_code import generated_sources
 from .native_compiler import library, universal
 from .trace import Trace
 
@@ -25,7 +25,7 @@ PLATFORMS = {
 
 def files(model: ModuleType, trace: Trace) -> dict[str, bytes]:
     """What the FMU is made of: its C, all but guid.h."""
-    code = sources(model, trace)
+    code = generated_sources(model, trace)
     code.update((path.name, path.read_bytes()) for path in WRAPPER.iterdir() if path.is_file())
     code.update((path.name, path.read_bytes()) for path in HEADERS.glob("fmi2*.h"))
     return {f"sources/{name}": content for name, content in code.items()}

@@ -51,9 +51,16 @@ def build(
     """Write the FMU files to fmus/dist/FLAVOUR/."""
     from fmus.build import FLAVOURS as known
     from fmus.build import build_all
+    from fmus.check_model import ModelError
 
-    for path in build_all(list(known) if flavour == "all" else [choice("flavour", flavour, [*known, "all"])], arm):
-        print(path, file=sys.stderr)
+    from ..vehicle.registry import MODELS
+
+    flavours = list(known) if flavour == "all" else [choice("flavour", flavour, [*known, "all"])]
+    try:
+        for path in build_all(MODELS.values(), flavours, arm):
+            print(path, file=sys.stderr)
+    except ModelError as error:
+        raise UsageError(str(error)) from None
 
 
 @app.command()
@@ -166,14 +173,19 @@ def linearize(
     as_json: Json = False,
 ) -> None:
     """Open and closed loop about level flight: poles, zeros, damping, margins at each actuator and sensor."""
+    from importlib import import_module
+
     from fmus.linear_report import linear_report, preset_gains
     from fmus.linearize import GROUPS, NoTrim
 
-    model = CONTROLLERS[choice("controller", controller, CONTROLLERS)]
+    from ..vehicle.registry import MODELS
+
+    plant_model = import_module(MODELS["AhvPlant"])
+    law = import_module(MODELS[CONTROLLERS[choice("controller", controller, CONTROLLERS)]])
     try:
-        gains = preset_gains(model, preset)
+        gains = preset_gains(law, preset)
         given = {name: {k: float(v) for k, v in pairs.items()} for name, pairs in assignments(set_).items()}
-        found = linear_report(model, {**gains, **given.get("controller", {})}, V, h, step,
+        found = linear_report(plant_model, law, {**gains, **given.get("controller", {})}, V, h, step,
                               dict.fromkeys(GROUPS, scale), given.get("plant", {}))
     except KeyError:
         raise UsageError(f"The {controller} controller has no preset {preset}.") from None
