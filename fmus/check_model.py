@@ -161,8 +161,8 @@ def check_presets(model: ModuleType) -> None:
     parameters = {v.name: v for v in variables(model.VARIABLES) if v.causality == "parameter"}
     for preset, values in model.PRESETS.items():
         if not (isinstance(preset, str) and re.fullmatch(r"\w[\w.-]*", preset, re.ASCII)):
-            raise ModelError(model, f"the preset name {preset!r} is not allowed; it becomes a file's name: ASCII "
-                                    "letters, digits, _, - and .")
+            raise ModelError(model, f"the preset name {preset!r} is not allowed; it becomes a file's name, of "
+                                    "ASCII letters, digits, '_', '-' and '.' after the first")
         if not isinstance(values, dict):
             raise ModelError(model, f"the preset {preset} is not a dict of parameters and values")
         for name, value in values.items():
@@ -175,9 +175,9 @@ def check_presets(model: ModuleType) -> None:
 
 
 def nearest(name: object, known: Any) -> str:
-    """What may have been meant by `name`, as the end of a sentence."""
+    """What may have been meant by `name`, in brackets."""
     near = get_close_matches(str(name), known, 3)
-    return f"; near to it are {', '.join(near)}" if near else f"; there are {', '.join(known) or 'none'}"
+    return f" (did you mean {' or '.join(near)}?)" if near else f" (there are {', '.join(known) or 'none'})"
 
 
 # --- what the functions do --------------------------------------------------------------------------------

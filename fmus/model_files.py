@@ -37,5 +37,5 @@ def model_files(model: ModuleType) -> dict[str, Path]:
                 for alias in node.names:
                     if root.joinpath(*alias.name.split(".")).with_suffix(".py").is_file():
                         raise ModelError(model, f"{file.name}, line {node.lineno}, imports {alias.name}, a file of the "
-                                                f"model, as a whole; write from {alias.name} import ...")
+                                                f"model, as a whole; write from {alias.name} import NAME")
     return found
