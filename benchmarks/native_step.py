@@ -17,7 +17,7 @@ from fmpy.fmi2 import FMU2Slave
 
 from cosim.vehicle.registry import MODELS
 from fmus.build import DIST
-from fmus.interface import variables
+from fmus.interface import internal_steps, variables
 from fmus.native_compiler import COMPILE
 from fmus.trace import trace_model
 
@@ -39,7 +39,7 @@ def write_kernel(model, guid: str, folder: Path) -> None:
     starts = {v.name: float(v.start) for v in table if v.start is not None}
     groups = {key: ", ".join(repr(starts[v.name]) for v in table if v.causality == causality)
               for key, causality in (("U", "input"), ("P", "parameter"))}
-    count = math.ceil(STEP / starts["internal_step"] - 1e-9)
+    count = internal_steps(STEP, starts["internal_step"])
     (folder / "kernel.h").write_text("\n".join([
         "#define casadi_int long long int", "#define casadi_real double", '#include "functions.h"',
         *(f"#define {key} {{{values}}}" for key, values in groups.items()),

@@ -13,7 +13,7 @@ from numbers import Real
 from pathlib import Path
 from traceback import extract_tb
 from types import ModuleType, SimpleNamespace
-from typing import Any
+from typing import Any, TypeGuard
 
 import casadi
 
@@ -26,6 +26,7 @@ ARGUMENTS = {"start": "m, u, p", "advance": "m, t, h, x, u, p, c", "outputs": "m
 STEP = 0.01  # s, for the trial step
 KINDS = ("", "frequency")  # what may follow a unit, see `fmus.interface`
 BACKEND = sorted(name for name in vars(floats) if not name.startswith("_"))
+NAME_RULE = "a name has ASCII letters, digits and _, begins with no digit and is no Python keyword"
 NOT_THE_MODELS = (Path(__file__).parent, Path(casadi.__file__).parent)
 
 
@@ -33,6 +34,7 @@ class ModelError(ValueError):
     """A mistake in a model: one sentence, which begins with the model's name."""
 
     def __init__(self, model: ModuleType, sentence: str):
+        """`sentence` goes on after the model's name, and has no full stop."""
         super().__init__(f"{getattr(model, 'NAME', model.__name__)}: {sentence}.")
 
 
@@ -55,11 +57,11 @@ def identifier(text: object) -> bool:
 
 
 def line_of_text(text: object) -> bool:
-    """Whether `text` can be an XML attribute: a string without line feeds and control characters."""
-    return isinstance(text, str) and text.isprintable()
+    """Whether `text` can be an XML attribute: a string without line feeds and what else XML 1.0 does not have."""
+    return isinstance(text, str) and not re.search("[\x00-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff]", text)
 
 
-def number(value: object) -> bool:
+def finite_number(value: object) -> TypeGuard[float]:
     """Whether `value` is a finite number, and no truth value."""
     return isinstance(value, Real) and not isinstance(value, bool) and isfinite(value)
 
@@ -72,7 +74,7 @@ def check_parts(model: ModuleType) -> None:
             raise ModelError(model, f"{part} is missing or is not {what}; a model has NAME, DESCRIPTION, VARIABLES, "
                                     "PRESETS, start, advance and outputs")
     if not identifier(model.NAME):
-        raise ModelError(model, f"NAME {model.NAME!r} is not allowed; {name_rule()}")
+        raise ModelError(model, f"NAME {model.NAME!r} is not allowed; {NAME_RULE}")
     if not line_of_text(model.DESCRIPTION):
         raise ModelError(model, "DESCRIPTION must be one line, without control characters")
     for function, arguments in ARGUMENTS.items():
@@ -88,10 +90,6 @@ def check_parts(model: ModuleType) -> None:
                                     f"{function}({arguments}), as which it is called") from None
 
 
-def name_rule() -> str:
-    return "a name has ASCII letters, digits and _, begins with no digit and is no Python keyword"
-
-
 def check_table(model: ModuleType) -> None:
     """Raises ModelError for a row of VARIABLES that has another length, contradicts itself, or cannot be written."""
     found: set[str] = set()
@@ -101,7 +99,7 @@ def check_table(model: ModuleType) -> None:
             raise ModelError(model, f"row {i + 1} of VARIABLES, {row!r},{length}; a row is ({', '.join(COLUMNS)})")
         name, causality, unit, *_, description = row
         if not identifier(name):
-            raise ModelError(model, f"the variable name {name!r} is not allowed; {name_rule()}")
+            raise ModelError(model, f"the variable name {name!r} is not allowed; {NAME_RULE}")
         if name in found:
             raise ModelError(model, f"{name} stands twice in the table; names must differ")
         if causality not in CAUSALITIES:
@@ -128,7 +126,7 @@ def range_mistake(v: Variable) -> str | None:
     for column, value in given.items():
         if v.type == "Boolean":
             return f"a Boolean (unit '') has no {column}, but {value!r} is given; None is right"
-        if not number(value):
+        if not finite_number(value):
             return f"{column} {value!r} is not a finite number; None means that there is none"
     if v.minimum is not None and v.maximum is not None and v.minimum > v.maximum:
         return f"min {v.minimum} is above max {v.maximum}"
@@ -149,11 +147,11 @@ def value_mistake(v: Variable, value: object, what: str) -> str | None:
     """Why `v` cannot have `value`, which is its `what`, or None."""
     if v.type == "Boolean":
         return None if isinstance(value, bool) else f"{what} {value!r} is not True or False, as a Boolean (unit '') has"
-    if not number(value):
+    if not finite_number(value):
         return f"{what} {value!r} is not a finite number"
     low = float("-inf") if v.minimum is None else v.minimum
     high = float("inf") if v.maximum is None else v.maximum
-    return None if low <= float(value) <= high else f"{what} {value} is outside [{low}, {high}]"  # type: ignore[arg-type]
+    return None if low <= value <= high else f"{what} {value} is outside [{low}, {high}]"
 
 
 def check_presets(model: ModuleType) -> None:
@@ -203,12 +201,13 @@ def check_functions(model: ModuleType) -> None:
     y = call("outputs", 0.0, x, u, p)
     if not isinstance(y, dict):
         raise ModelError(model, f"outputs() returns a {type(y).__name__}, not a dict of names and values")
-    missing, extra = sorted(set(computed(table)) - set(y)), sorted(set(y) - set(computed(table)))
+    missing = [name for name in computed(table) if name not in y]
+    extra = [str(name) for name in y if name not in computed(table)]
     if missing:
         raise ModelError(model, f"outputs() does not return {', '.join(missing)}; it must return every output and "
                                 "calculatedParameter of VARIABLES")
     if extra:
-        raise ModelError(model, f"outputs() returns {', '.join(map(str, extra))}, which VARIABLES does not declare as "
+        raise ModelError(model, f"outputs() returns {', '.join(extra)}, which VARIABLES does not declare as "
                                 "output or calculatedParameter")
     check_numbers(model, "outputs()", [y[name] for name in computed(table)], "output", computed(table))
 
@@ -238,7 +237,7 @@ def failure(error: Exception, model: ModuleType, u: SimpleNamespace, p: SimpleNa
               if not any(Path(f.filename).is_relative_to(folder) for folder in NOT_THE_MODELS)
               or Path(f.filename) == Path(str(model.__file__))]
     where = f"{frames[-1].name}() in {Path(frames[-1].filename).name}, line {frames[-1].lineno}," if frames else "it"
-    if isinstance(error, AttributeError) and error.obj in (floats, symbols):
+    if isinstance(error, AttributeError) and any(error.obj is backend for backend in (floats, symbols)):
         return f"{where} uses m.{error.name}, which the backend lacks; m has {', '.join(BACKEND)}"
     for letter, values, kind in (("u", u, "input"), ("p", p, "parameter")):
         if isinstance(error, AttributeError) and error.obj is values:
@@ -246,7 +245,7 @@ def failure(error: Exception, model: ModuleType, u: SimpleNamespace, p: SimpleNa
     if "truth value" in str(error):
         return (f"{where} decides on a symbol, which has no value yet (if, and, or, not, min, max, a < b < c); use "
                 "m.where, m.both, m.either, m.fmin and m.fmax instead")
-    if "to_int" in str(error) or "integer" in str(error):
+    if "to_int" in str(error) or (isinstance(error, TypeError) and "integer" in str(error)):
         return f"{where} uses a symbol as a whole number (int, range or an index); use m.floor and m.where instead"
     return f"{where} fails with {type(error).__name__}: {' '.join(str(error).split()).removesuffix('.')}"
 

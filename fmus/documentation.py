@@ -21,7 +21,7 @@ is discarded: the FMU says why, stays at the last communication point, and can b
 is set to something not finite keeps its old value, and no step is taken until it is set again."""
 
 
-def shown(v: Variable, value: float | bool | None) -> str:
+def cell_text(v: Variable, value: float | bool | None) -> str:
     """A value of `v` as people read it: angles in degrees."""
     if value is None or isinstance(value, bool):
         return "" if value is None else str(value).lower()
@@ -38,8 +38,9 @@ def html_table(head: list[str], rows: list[list[str]]) -> str:
 
 def variable_rows(table: list[Variable], *causalities: str) -> list[list[str]]:
     """What the page says of each variable of these causalities."""
-    return [[v.name, str(v.value_reference), v.display_unit or v.unit or "Boolean", shown(v, v.start),
-             shown(v, v.minimum), shown(v, v.maximum), v.description] for v in table if v.causality in causalities]
+    return [[v.name, str(v.value_reference), v.display_unit or v.unit or "Boolean", cell_text(v, v.start),
+             cell_text(v, v.minimum), cell_text(v, v.maximum), v.description]
+            for v in table if v.causality in causalities]
 
 
 def module_source(name: str, file: Path) -> str:
@@ -61,7 +62,7 @@ def page(model: ModuleType, trace: Trace) -> bytes:
     presets = []
     for name, values in model.PRESETS.items():
         by_name = {v.name: v for v in table}
-        rows = [[key, shown(by_name[key], value), by_name[key].display_unit or by_name[key].unit]
+        rows = [[key, cell_text(by_name[key], value), by_name[key].display_unit or by_name[key].unit]
                 for key, value in values.items()]
         presets.append(f"<details><summary>{escape(name)} (resources/presets/{escape(name)}.ssv)</summary>"
                        + html_table(["parameter", "value", "unit"], rows) + "</details>")

@@ -17,11 +17,12 @@ than that; the range of an output is where the model is valid.
 `fmus.check_model` finds the mistakes of a model before it becomes an FMU; nothing here looks for them.
 """
 from dataclasses import dataclass
-from math import degrees
+from math import ceil, degrees
 
 COLUMNS = ("name", "causality", "unit", "start", "min", "max", "nominal", "description")
 CAUSALITIES = ("input", "output", "calculatedParameter", "parameter")
 GIVEN = ("input", "parameter")  # these have a start value, the others are computed
+ROUNDING = 1e-9  # of an internal step: 10 ms in steps of 1 ms are 10, not 11
 
 Row = tuple[str, str, str, float | bool | None, float | None, float | None, float | None, str]
 
@@ -76,3 +77,8 @@ def names(table: list[Variable], *causalities: str) -> list[str]:
 def computed(table: list[Variable]) -> list[str]:
     """Names of what `outputs` returns, in the table's order."""
     return names(table, "output", "calculatedParameter")
+
+
+def internal_steps(step: float, longest: float) -> int:
+    """How many equal internal steps of at most `longest` seconds a communication step of `step` seconds takes."""
+    return max(1, ceil(step / longest - ROUNDING))

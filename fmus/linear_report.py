@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from .linearize import Array, Linear, damping, linear_loop, vehicle
+from .linearize import Array, Linear, damping, linear_loop, linear_vehicle
 
 ZEROS = (("fuel_ratio", "V"), ("fuel_ratio", "gamma"), ("elevator", "V"), ("elevator", "gamma"), ("elevator", "theta"))
 
@@ -31,7 +31,7 @@ def linear_report(plant: ModuleType, law: ModuleType, gains: dict[str, Any], V: 
     """Open loop: continuous, with zeros. Closed loop: sampled every `step` seconds as it flies, poles as those of the
     continuous system with the same samples; margins at each actuator and sensor. The arguments are those of
     `linear_loop`, and so is what it raises."""
-    alone = vehicle(plant, V, h, scale, **parameters)
+    alone = linear_vehicle(plant, V, h, scale, **parameters)
     loop = linear_loop(plant, law, gains, V, h, step, scale, parameters)
     closed = loop.cut()
     stable = bool(np.abs(np.linalg.eigvals(closed.A)).max() < 1)

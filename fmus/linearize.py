@@ -13,7 +13,6 @@ as parameters.
 """
 from dataclasses import dataclass
 from functools import cache
-from math import ceil
 from types import ModuleType, SimpleNamespace
 from typing import Any
 
@@ -23,7 +22,7 @@ import numpy.typing as npt
 import scipy.linalg
 
 from . import floats, symbols
-from .interface import computed, names, variables
+from .interface import computed, internal_steps, names, variables
 from .margins import Margins, frequencies, margins, response
 from .trace import symbol_namespace, trace_model
 
@@ -105,13 +104,13 @@ def values_of(model: ModuleType, given: dict[str, Any]) -> SimpleNamespace:
     return SimpleNamespace(**{**defaults, **given})
 
 
-def flat(values: SimpleNamespace) -> list[float]:
+def in_table_order(values: SimpleNamespace) -> list[float]:
     """The values alone, in the order of the table."""
     return [float(v) for v in vars(values).values()]
 
 
-def vehicle(plant: ModuleType, V: float, h: float, scale: dict[str, float] | None = None,
-            **parameters: float) -> Linear:
+def linear_vehicle(plant: ModuleType, V: float, h: float, scale: dict[str, float] | None = None,
+                   **parameters: float) -> Linear:
     """The vehicle alone about level flight at V (ft/s), h (ft): inputs fuel ratio and elevator, outputs all
     states and the angle of attack. Coefficient groups named in `scale` are multiplied by it.
 
@@ -120,7 +119,7 @@ def vehicle(plant: ModuleType, V: float, h: float, scale: dict[str, float] | Non
     p = values_of(plant, parameters)
     s = [1.0 * (scale or {}).get(g, 1.0) for g in GROUPS]
     x, u = vehicle_trim(plant, V, h, s, p)
-    _, A, B = (np.array(m) for m in vehicle_jacobian(plant)(x, u, s, flat(p)))
+    _, A, B = (np.array(m) for m in vehicle_jacobian(plant)(x, u, s, in_table_order(p)))
     C = np.vstack([np.eye(9), [0, 0, -1, 1, 0, 0, 0, 0, 0]])
     return Linear(A, B, C, np.zeros((10, 2)), STATES, ACTUATORS, [*STATES, "alpha"])
 
@@ -139,7 +138,7 @@ def vehicle_trim(plant: ModuleType, V: float, h: float, s: list[float], p: Simpl
     jacobian = vehicle_jacobian(plant)
     free = [3, 5, 7]
     for _ in range(NEWTON_STEPS):
-        rate, A, B = (np.array(m) for m in jacobian(x, u, s, flat(p)))
+        rate, A, B = (np.array(m) for m in jacobian(x, u, s, in_table_order(p)))
         change = np.linalg.lstsq(np.hstack([A[:, free], B]), -rate.ravel(), rcond=None)[0]
         x[free] += change[:3]
         u += change[3:]
@@ -154,6 +153,7 @@ class Sampled:
     """A traced model that is advanced over one communication step, with Jacobians."""
 
     def __init__(self, model: ModuleType):
+        """Trace `model` and differentiate what was traced."""
         self.model = model
         table = variables(self.model.VARIABLES)
         self.inputs, self.parameters, self.outputs = (
@@ -169,8 +169,8 @@ class Sampled:
 
     def stepped(self, step: float, x: Array, u: Array, p: SimpleNamespace) -> tuple[Array, Array, Array]:
         """The state after `step` seconds with its Jacobians by x and by u."""
-        count = ceil(step / p.internal_step - 1e-9)
-        h, numbers = step / count, flat(p)
+        count = internal_steps(step, p.internal_step)
+        h, numbers = step / count, in_table_order(p)
         c = self.trace.prepare(numbers, h)
         A, B = np.eye(len(x)), np.zeros((len(x), len(u)))
         for _ in range(count):
@@ -256,7 +256,7 @@ def linear_loop(plant: ModuleType, law: ModuleType, gains: dict[str, Any], V: fl
     vehicle_model, law_model = sampled(plant), sampled(law)
     pp, pc = values_of(plant, parameters or {}), values_of(law, gains)
     x, nominal = nominal_trim(plant, V, h, pp)
-    z = np.array(law_model.trace.start([V, h, 0.0, nominal.theta, 0.0, V, h], flat(pc))).ravel()
+    z = np.array(law_model.trace.start([V, h, 0.0, nominal.theta, 0.0, V, h], in_table_order(pc))).ravel()
     wanted = np.array([float((scale or {}).get(g, 1.0)) for g in GROUPS])
     for part in (np.linspace(0, 1, STAGES + 1)[1:] if np.any(wanted != 1) else [1.0]):
         loop = equilibrium(vehicle_model, law_model, pp, pc, 1 + part * (wanted - 1), x, z, step, np.array([V, h]))
@@ -279,7 +279,7 @@ def equilibrium(vehicle_model: Sampled, law: Sampled, pp: SimpleNamespace, pc: S
     for _ in range(NEWTON_STEPS):
         m = np.array([*x[:5], *commands])
         z1, Az, Bz = law.stepped(step, z, m, pc)
-        y, Cz, Dz = (np.array(a)[actuators] for a in law.shown(z1, m, flat(pc)))
+        y, Cz, Dz = (np.array(a)[actuators] for a in law.shown(z1, m, in_table_order(pc)))
         x1, Ap, Bp = vehicle_model.stepped(step, np.array([*x, *memory]), np.array([*y.ravel(), *scale]), pp)
         loop = Loop(x, z, y.ravel(), Ap[:9, :9], Bp[:9, :2], Az, Bz, Cz, Dz, step)
         residual = np.concatenate([(x1[:9] - x), z1 - z])

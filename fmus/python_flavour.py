@@ -64,11 +64,11 @@ def resources(model: ModuleType) -> dict[str, bytes]:
 
 
 def files(model: ModuleType, trace: Trace) -> dict[str, bytes]:
-    """What the FMU is made of, but for its binaries."""
+    """What the FMU is made of, but for its binaries. Raises ModelError as `model_files` does."""
     return resources(model)
 
 
-def binaries(model: ModuleType, files: dict[str, bytes], guid: str, arm: bool) -> dict[str, bytes]:
+def binaries(model: ModuleType, contents: dict[str, bytes], guid: str, arm: bool) -> dict[str, bytes]:
     """pythonfmu's, the same for every model; it has none for Arm."""
     folder = PYTHONFMU / "resources" / "binaries"
     return {f"binaries/{path.parent.name}/{model.NAME}{path.suffix}": path.read_bytes()

@@ -2,20 +2,19 @@
 
 Travels inside every FMU of the Python flavour.
 """
-from math import ceil, inf, isfinite
+from math import inf, isfinite
 from types import ModuleType, SimpleNamespace
 
 from pythonfmu.enums import Fmi2Status
 from pythonfmu.fmi2slave import Fmi2Slave
 
 from . import floats
-from .interface import Variable, names, variables
+from .interface import Variable, internal_steps, names, variables
 
 MOST_INTERNAL_STEPS = 1e7
-ROUNDING = 1e-9  # of a step: 10 ms in steps of 1 ms are 10, not 11
 
 
-def shown(v: Variable, value: float) -> str:
+def with_unit(v: Variable, value: float) -> str:
     """A value with its unit, angles in degrees."""
     return f"{v.displayed(value):.6g}{v.unit_suffix}"
 
@@ -25,9 +24,9 @@ def out_of_range(v: Variable, value: float) -> str | None:
     if not isfinite(value):
         return f"{v.name} = {value} is not a finite number"
     if v.minimum is not None and value < v.minimum:
-        return f"{v.name} = {shown(v, value)} is below its minimum {shown(v, v.minimum)}"
+        return f"{v.name} = {with_unit(v, value)} is below its minimum {with_unit(v, v.minimum)}"
     if v.maximum is not None and value > v.maximum:
-        return f"{v.name} = {shown(v, value)} is above its maximum {shown(v, v.maximum)}"
+        return f"{v.name} = {with_unit(v, value)} is above its maximum {with_unit(v, v.maximum)}"
     return None
 
 
@@ -37,6 +36,7 @@ class ModelSlave(Fmi2Slave):  # type: ignore[misc]
     model: ModuleType
 
     def __init__(self, **kwargs: object) -> None:
+        """`kwargs` are pythonfmu's own."""
         super().__init__(**kwargs)
         table = variables(self.model.VARIABLES)
         self.table = table
@@ -59,16 +59,20 @@ class ModelSlave(Fmi2Slave):  # type: ignore[misc]
     # --- values -----------------------------------------------------------------------------------
 
     def get_real(self, vrs: list[int]) -> list[float | bool | None]:
+        """fmi2GetReal. Raises KeyError as `get_values` does."""
         return self.get_values(vrs, "Real")
 
     def get_boolean(self, vrs: list[int]) -> list[bool]:
+        """fmi2GetBoolean. Raises KeyError as `get_values` does."""
         return [bool(value) for value in self.get_values(vrs, "Boolean")]
 
     def get_integer(self, vrs: list[int]) -> list[int]:
+        """fmi2GetInteger. Raises KeyError for any variable."""
         self.none_of(vrs, "Integer")
         return []
 
     def get_string(self, vrs: list[int]) -> list[str]:
+        """fmi2GetString. Raises KeyError for any variable."""
         self.none_of(vrs, "String")
         return []
 
@@ -83,15 +87,19 @@ class ModelSlave(Fmi2Slave):  # type: ignore[misc]
         return [values[vr] for vr in vrs]
 
     def set_real(self, vrs: list[int], values: list[float]) -> None:
+        """fmi2SetReal. Raises as `set_values` does."""
         self.set_values(vrs, values, "Real")
 
     def set_boolean(self, vrs: list[int], values: list[bool]) -> None:
+        """fmi2SetBoolean. Raises as `set_values` does."""
         self.set_values(vrs, [bool(value) for value in values], "Boolean")
 
     def set_integer(self, vrs: list[int], values: list[int]) -> None:
+        """fmi2SetInteger. Raises KeyError for any variable."""
         self.none_of(vrs, "Integer")
 
     def set_string(self, vrs: list[int], values: list[str]) -> None:
+        """fmi2SetString. Raises KeyError for any variable."""
         self.none_of(vrs, "String")
 
     def set_values(self, vrs: list[int], values: list[float] | list[bool], kind: str) -> None:
@@ -144,15 +152,18 @@ class ModelSlave(Fmi2Slave):  # type: ignore[misc]
 
     def setup_experiment(self, start_time: float, stop_time: float | None = None,
                          tolerance: float | None = None) -> None:
+        """fmi2SetupExperiment, times in s. Raises RuntimeError as `allow` does."""
         self.allow("fmi2SetupExperiment", "instantiated")
         self.time = start_time
         self.stop_time = inf if stop_time is None else stop_time
 
     def enter_initialization_mode(self) -> None:
+        """fmi2EnterInitializationMode. Raises RuntimeError as `allow` does."""
         self.allow("fmi2EnterInitializationMode", "instantiated")
         self.phase = "initialising"
 
     def exit_initialization_mode(self) -> None:
+        """fmi2ExitInitializationMode. Raises RuntimeError as `allow` does, ValueError where the model cannot start."""
         self.allow("fmi2ExitInitializationMode", "initialising")
         if self.refused:
             raise ValueError(next(iter(self.refused.values())))
@@ -160,6 +171,7 @@ class ModelSlave(Fmi2Slave):  # type: ignore[misc]
         self.phase = "stepping"
 
     def terminate(self) -> None:
+        """fmi2Terminate."""
         self.phase = "terminated"
 
     def initialise(self) -> None:
@@ -193,7 +205,7 @@ class ModelSlave(Fmi2Slave):  # type: ignore[misc]
     def prepare(self, step: float) -> tuple[float, int, float, list[float]] | None:
         """(step, number and length of internal steps, prepared numbers) for communication steps of `step`;
         None if they are too many."""
-        count = max(1, ceil(step / self.p.internal_step - ROUNDING)) if self.has_internal_step else 1
+        count = internal_steps(step, self.p.internal_step) if self.has_internal_step else 1
         if count > MOST_INTERNAL_STEPS:
             return None
         h = step / count
@@ -235,11 +247,13 @@ class ModelSlave(Fmi2Slave):  # type: ignore[misc]
     # --- state ------------------------------------------------------------------------------------
 
     def _get_fmu_state(self) -> dict[str, object]:
+        """All that changes while the FMU runs, as pythonfmu keeps and pickles it."""
         return {"x": list(self.x), "u": dict(vars(self.u)), "p": dict(vars(self.p)), "time": self.time,
                 "stop_time": self.stop_time, "values": list(self.values.values()), "phase": self.phase,
                 "stale": self.stale, "refused": dict(self.refused)}
 
     def _set_fmu_state(self, state: dict) -> None:  # type: ignore[type-arg]
+        """Go back to a state of `_get_fmu_state`."""
         self.x = list(state["x"])
         self.u, self.p = SimpleNamespace(**state["u"]), SimpleNamespace(**state["p"])
         self.values = dict(enumerate(state["values"]))

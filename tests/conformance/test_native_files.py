@@ -165,4 +165,4 @@ def test_without_the_compiler_the_error_says_what_to_install(monkeypatch):
 
     monkeypatch.setattr(native_compiler, "version", missing)
     with pytest.raises(RuntimeError, match="pip install ziglang"):
-        native_compiler.compiler()
+        native_compiler.compiler_version()

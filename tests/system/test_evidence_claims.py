@@ -15,7 +15,7 @@ from ahv_plant_fmu.equations import thrust_slope
 from ahv_plant_fmu.trim import level_trim
 from fmus import floats
 from fmus.linear_report import preset_gains
-from fmus.linearize import linear_loop, vehicle
+from fmus.linearize import linear_loop, linear_vehicle
 
 STABLE_PRESETS = ("calibrated", "steady", "coupled")
 
@@ -72,7 +72,7 @@ def test_elevator_to_flight_path_is_non_minimum_phase_over_the_envelope():
     assert zeros.min() > 2.4 and zeros.max() < 4.9 and poles.min() > 1.2 and poles.max() < 2.3
     assert np.all(zeros / poles > 1.8) and np.all(zeros / poles < 2.3)
     assert gamma_zeros(7700, 85000) == pytest.approx((1.693, 3.500), abs=1e-3)
-    assert max(v.real for v in vehicle(plant, 7700, 85000).zeros("elevator", "gamma")) < PRESETS["printed"]["mu"]
+    assert max(v.real for v in linear_vehicle(plant, 7700, 85000).zeros("elevator", "gamma")) < PRESETS["printed"]["mu"]
 
 
 def test_the_printed_loop_is_unstable_ours_is_stable_about_the_first_trim():

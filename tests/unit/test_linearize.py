@@ -9,7 +9,7 @@ from ahv_plant_fmu.equations import derivative
 from ahv_plant_fmu.trim import NOMINAL
 from fmus import floats
 from fmus.linear_report import preset_gains
-from fmus.linearize import ACTUATORS, GROUPS, SENSORS, NoTrim, linear_loop, values_of, vehicle, vehicle_trim
+from fmus.linearize import ACTUATORS, GROUPS, SENSORS, NoTrim, linear_loop, linear_vehicle, values_of, vehicle_trim
 from fmus.margins import frequencies, margins, response
 
 LAWS = {"neural": neural_model, "backstepping": backstepping_model}
@@ -17,7 +17,7 @@ LAWS = {"neural": neural_model, "backstepping": backstepping_model}
 
 def test_the_vehicles_matrices_are_those_of_difference_quotients():
     p = values_of(plant, {"psi_1": -363.5, "psi_2": 328.8})
-    found = vehicle(plant, 8200, 90000, psi_1=-363.5, psi_2=328.8)
+    found = linear_vehicle(plant, 8200, 90000, psi_1=-363.5, psi_2=328.8)
     x, u = vehicle_trim(plant, 8200, 90000, [1.0] * 5, p)
 
     def rate(x, u):
@@ -93,4 +93,4 @@ def test_where_there_is_no_equilibrium_it_is_said():
     with pytest.raises(NoTrim, match="equilibrium"):
         linear_loop(plant, neural_model, gains, 7500, 105000)
     with pytest.raises(ValueError, match="no parameter wings"):
-        vehicle(plant, 7700, 85000, wings=2.0)
+        linear_vehicle(plant, 7700, 85000, wings=2.0)

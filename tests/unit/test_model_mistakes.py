@@ -77,6 +77,7 @@ MISTAKES = {
         "the variable name 'lambda' is not allowed"),
     "a model's name that C cannot have": ('"Tank"', '"My tank"', "NAME 'My tank' is not allowed; a name has ASCII"),
     "a description that XML cannot have": ('"inflow"', '"in\\x00flow"', "flow: the description must be one line of"),
+    "a description that is none": ('"inflow"', "None", "flow: the description must be one line of text"),
     "a model's description of two lines": ('"A tank with a valve"', '"A tank\\nwith"', "DESCRIPTION must be one line"),
     "no start": (RATE, RATE.replace("2.0", "None"),
         "rate: inputs and parameters have a start value, outputs have none; this parameter has None"),
@@ -137,6 +138,9 @@ MISTAKES = {
         "start() in tank.py, line 18, reads p.rat, which is no parameter (did you mean rate?)"),
     "an unknown input": ("u.flow / p.rate", "u.rate / p.rate",
         "start() in tank.py, line 18, reads u.rate, which is no input (there are flow, open)"),
+    "a method of floats alone": ("u.flow / p.rate", "u.flow.hex()", "start() gives '0x"),
+    "an attribute of floats alone": ("u.flow / p.rate", "u.flow.real",
+        "start() in tank.py, line 18, fails with AttributeError: 'SX' object has no attribute 'real'"),
     "a wrong name": ("u.flow / p.rate", "v.flow / p.rate",
         "start() in tank.py, line 18, fails with NameError: name 'v' is not defined"),
 }
