@@ -32,10 +32,12 @@ CRITICAL = 1.0  # damping ratio of the tracking differentiators
 
 
 def unpack(x):
+    """The state's numbers (a list) as a `State`."""
     return State(x[0:2], x[2:4], x[4], x[5], x[6], x[7], x[8:10], x[10:12], x[12:14], x[14])
 
 
 def pack(s):
+    """A `State` as a list of numbers."""
     return [*s.V_ref, *s.h_ref, s.V_integral, s.d_V, s.d_gamma, s.d_Q,
             *s.gamma_td, *s.theta_td, *s.Q_td, s.elevator_trim]
 
@@ -166,6 +168,7 @@ def advance(m, t, h, x, u, p, c):
 
 
 def outputs(m, t, x, u, p):
+    """Every output of the table, in its units."""
     s = unpack(x)
     now = law(m, s, u, p)
     return {

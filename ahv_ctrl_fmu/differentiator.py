@@ -3,6 +3,7 @@ from .linear import apply, exponential
 
 
 def flat(matrix):
+    """The entries of a list of rows, row-major."""
     return [entry for row in matrix for entry in row]
 
 

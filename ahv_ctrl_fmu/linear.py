@@ -6,6 +6,7 @@ TERMS = 14
 
 
 def product(a, b):
+    """a @ b of two matrices (lists of rows)."""
     columns = list(zip(*b))
     return [[sum(map(mul, row, column)) for column in columns] for row in a]
 

@@ -28,10 +28,12 @@ State = namedtuple("State", "V_ref h_ref V_integral phi_1 chi chi_d e_integral p
 
 
 def unpack(x):
+    """The state's numbers (a list) as a `State`."""
     return State(x[0:2], x[2:4], x[4], x[5], x[6:10], x[10:14], x[14], x[15], x[16:18], x[18])
 
 
 def pack(s):
+    """A `State` as a list of numbers."""
     return [*s.V_ref, *s.h_ref, s.V_integral, s.phi_1, *s.chi, *s.chi_d, s.e_integral, s.phi_2,
             *s.elevator, s.theta_trim]
 
@@ -200,6 +202,7 @@ def advance(m, t, h, x, u, p, c):
 
 
 def outputs(m, t, x, u, p):
+    """Every output of the table, in its units."""
     s = unpack(x)
     velocity, altitude = velocity_law(m, s, u, p), altitude_law(m, s, u, p)
     return {

@@ -67,6 +67,7 @@ def unpack(x):
 
 
 def start(m, u, p):
+    """The plant's initial state, actuators and delay lines at rest where it is, and no noise yet: see `unpack`."""
     vehicle = plant.start(m, u, p)
     commands = [u.fuel_ratio, u.elevator]
     return [*vehicle, *commands, *[0.0] * 5, p.noise_seed,
@@ -85,8 +86,11 @@ def delayed(m, now, line, delay, since):
     return m.where(m.either(delay <= 0.0, position < 0.0), now, past)
 
 
-def moved(m, position, command, bandwidth, rate, h):
-    """An actuator's position h seconds later, and what acts in between."""
+def actuator_step(m, position, command, bandwidth, rate, h):
+    """An actuator's position h seconds later, and what acts in between.
+
+    bandwidth in rad/s, rate per second; 0 for none.
+    """
     change = (command - position) * m.where(bandwidth > 0.0, 1.0 - m.exp(-bandwidth * h), 1.0)
     later = position + m.where(rate > 0.0, m.clip(change, -rate * h, rate * h), change)
     return later, m.where(m.either(bandwidth > 0.0, rate > 0.0), 0.5 * (position + later), command)
@@ -106,6 +110,7 @@ def fresh_noise(m, seed, rms):
 
 
 def advance(m, t, h, x, u, p, c):
+    """The state h seconds later: commands through the actuators, the plant's own step, then the sensors' lines."""
     s = unpack(x)
     passes = ticks(m, t + h) > ticks(m, t)
 
@@ -117,7 +122,8 @@ def advance(m, t, h, x, u, p, c):
         command = getattr(u, name)
         # A command is held: a line has it as of the interval before the last grid point.
         late = delayed(m, command, [command, *line], getattr(p, f"{name}_delay"), 0.0)
-        later, acts = moved(m, position, late, getattr(p, f"{name}_bandwidth"), getattr(p, f"{name}_rate_limit"), h)
+        bandwidth, rate = getattr(p, f"{name}_bandwidth"), getattr(p, f"{name}_rate_limit")
+        later, acts = actuator_step(m, position, late, bandwidth, rate, h)
         used.append(acts)
         actuators.append(later)
         lines.append(shifted(line, command))

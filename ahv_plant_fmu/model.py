@@ -1,7 +1,7 @@
 """The plant as a component: its table of variables, its start, its step, its outputs.
 
 A model's functions are pure; `m` is the mathematics backend, `u` and `p` have the inputs and the
-parameters of the table as attributes. See `fmus.model` for the contract.
+parameters of the table as attributes. See `fmus.interface` for the contract.
 """
 from math import pi
 from types import SimpleNamespace
@@ -83,6 +83,7 @@ WEIGHTS = (11 / 120, 0, 27 / 40, 27 / 40, -4 / 15, -4 / 15, 11 / 120)
 
 
 def scales(u):
+    """The factors on the coefficient groups, from the inputs."""
     return SimpleNamespace(thrust=u.scale_thrust, lift=u.scale_lift, drag=u.scale_drag,
                            moment=u.scale_moment, forces=u.scale_forces)
 
@@ -91,12 +92,12 @@ def start(m, u, p):
     """Initial state: nine states of (1)-(7), then the trim that was solved."""
     trim = level_trim(m, p.V_start, p.h_start, p)
 
-    def either(at_trim, otherwise):
+    def chosen(at_trim, otherwise):
         return m.where(p.start_at_trim, at_trim, otherwise)
 
-    return [p.V_start, p.h_start, either(0.0, p.gamma_start), either(trim.theta, p.theta_start),
-            either(0.0, p.Q_start), either(trim.eta1, p.eta1_start), either(0.0, p.eta1_dot_start),
-            either(trim.eta2, p.eta2_start), either(0.0, p.eta2_dot_start),
+    return [p.V_start, p.h_start, chosen(0.0, p.gamma_start), chosen(trim.theta, p.theta_start),
+            chosen(0.0, p.Q_start), chosen(trim.eta1, p.eta1_start), chosen(0.0, p.eta1_dot_start),
+            chosen(trim.eta2, p.eta2_start), chosen(0.0, p.eta2_dot_start),
             trim.fuel_ratio, trim.elevator, trim.theta, trim.residual]
 
 
@@ -120,6 +121,7 @@ def moved(x, h, weights, slopes):
 
 
 def outputs(m, t, x, u, p):
+    """Every output and calculated parameter of the table, in its units."""
     states, memory = x[:9], x[9:]
     alpha = x[3] - x[2]
     q, T, L, D, M, _, _ = forces(m, states, u.fuel_ratio, u.elevator, scales(u), p)

@@ -22,15 +22,17 @@ from claims import MODELS as LAW_MODELS  # noqa: E402
 from evidence import Loaded, fly, summary  # noqa: E402
 from studies import NOISE, SENSORS, ablation, envelope, limits  # noqa: E402
 
+from ahv_ctrl_fmu import backstepping_model, neural_model  # noqa: E402
 from ahv_ctrl_fmu.neural_model import PRESETS  # noqa: E402
+from ahv_plant_fmu import model as plant  # noqa: E402
 from fmus.linear_report import preset_gains  # noqa: E402
 from fmus.linearize import GROUPS, linear_loop  # noqa: E402
 from fmus.margins import frequencies, response  # noqa: E402
 
 PICTURES = HERE.parent / "docs" / "pictures"
-LAWS = {"neural, calibrated": ("neural", "AhvController", "calibrated"),
-        "neural, robust": ("neural", "AhvController", "robust"),
-        "backstepping (a reconstruction)": ("backstepping", "AhvBackstepping", "calibrated")}
+LAWS = {"neural, calibrated": ("neural", neural_model, "calibrated"),
+        "neural, robust": ("neural", neural_model, "robust"),
+        "backstepping (a reconstruction)": ("backstepping", backstepping_model, "calibrated")}
 STRUCTURES = {"decoupled": {}, "printed sign": {"psi_1": -363.5, "psi_2": 328.8},
               "mode 1 turned": {"psi_1": 363.5, "psi_2": 328.8},
               "energy-consistent": {"psi_1": -363.5, "psi_2": 328.8, "coupling_sign": -1.0}}
@@ -118,7 +120,7 @@ def margins():
     result = {}
     omega = frequencies(0.01)
     for law, (_, model, preset) in LAWS.items():
-        loop = linear_loop(model, preset_gains(model, preset), 7700, 85000)
+        loop = linear_loop(plant, model, preset_gains(model, preset), 7700, 85000)
         result[law] = {name: m.as_dict() for name, m in loop.margins().items()}
         for column, place in enumerate(({"actuator": 1}, {"sensor": 2})):
             cut = loop.cut(**place)

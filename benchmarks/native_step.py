@@ -15,10 +15,11 @@ import casadi
 import fmpy
 from fmpy.fmi2 import FMU2Slave
 
-from fmus.build import DIST, MODELS
-from fmus.interface import variables
+from cosim.vehicle.registry import MODELS
+from fmus.build import DIST
+from fmus.interface import internal_steps, variables
 from fmus.native_compiler import COMPILE
-from fmus.trace import trace
+from fmus.trace import trace_model
 
 HERE = Path(__file__).parent
 STEP = 0.01
@@ -29,7 +30,7 @@ COMPILER = [sys.executable, "-m", "ziglang", "cc", "-target", "x86_64-linux-gnu.
 
 def write_kernel(model, guid: str, folder: Path) -> None:
     """kernel.c and kernel.h of native_step.c."""
-    traced, table = trace(model), variables(model.VARIABLES)
+    traced, table = trace_model(model), variables(model.VARIABLES)
     generator = casadi.CodeGenerator("kernel", {"with_header": True})
     for function in (traced.prepare, traced.start, traced.advance, traced.outputs):
         generator.add(function)
@@ -38,7 +39,7 @@ def write_kernel(model, guid: str, folder: Path) -> None:
     starts = {v.name: float(v.start) for v in table if v.start is not None}
     groups = {key: ", ".join(repr(starts[v.name]) for v in table if v.causality == causality)
               for key, causality in (("U", "input"), ("P", "parameter"))}
-    count = math.ceil(STEP / starts["internal_step"] - 1e-9)
+    count = internal_steps(STEP, starts["internal_step"])
     (folder / "kernel.h").write_text("\n".join([
         "#define casadi_int long long int", "#define casadi_real double", '#include "functions.h"',
         *(f"#define {key} {{{values}}}" for key, values in groups.items()),

@@ -1,50 +1,51 @@
-"""Builds the FMU files: every model, every flavour."""
+"""Builds the FMU file of a model, in one flavour or in several."""
+from collections.abc import Iterable
 from importlib import import_module
 from importlib.metadata import version
 from pathlib import Path
+from types import ModuleType
 
 from . import documentation, native_flavour, pack, python_flavour
+from .check_model import checked_trace
 from .description import model_description, parameter_set
-from .trace import trace
 
 DIST = Path(__file__).parent / "dist"
 
-# Adding a model: name its module here.
-MODELS = {
-    "AhvPlant": "ahv_plant_fmu.model",
-    "AhvInstrumentedPlant": "ahv_plant_fmu.instrumented_model",
-    "AhvController": "ahv_ctrl_fmu.neural_model",
-    "AhvBackstepping": "ahv_ctrl_fmu.backstepping_model",
-    "AhvScenario": "cosim.vehicle.scenario_model",
-}
 FLAVOURS = {"python": python_flavour, "native": native_flavour}
 
 
-def build(name: str, flavour: str, dist: Path = DIST, arm: bool = False) -> Path:
-    """Write `dist`/`flavour`/`name`.fmu and return its path. The same sources give the same bytes.
+def build(model: ModuleType | str, flavour: str, dist: Path = DIST, arm: bool = False) -> Path:
+    """Write `dist`/`flavour`/NAME.fmu and return its path. The same sources give the same bytes.
 
-    `arm` adds binaries for Arm processors where the flavour has them.
+    `model` is a module as `fmus.interface` describes it, or its dotted name; `flavour` is one of FLAVOURS. `arm` adds
+    binaries for Arm processors where the flavour has them.
+
+    Raises ModelError (`fmus.check_model`) for a mistake in the model, and RuntimeError where the C compiler is missing
+    or fails.
     """
-    model = import_module(MODELS[name])
+    if isinstance(model, str):
+        model = import_module(model)
     maker = FLAVOURS[flavour]
-    traced = trace(model)
-    files = maker.files(model, traced)
-    files["documentation/index.html"] = documentation.page(model, traced)
+    trace = checked_trace(model)
+    files = maker.files(model, trace)
+    files["documentation/index.html"] = documentation.page(model, trace)
     files["model.png"] = documentation.icon(model)
     for preset, values in model.PRESETS.items():
         files[f"resources/presets/{preset}.ssv"] = parameter_set(preset, values)
 
     def describe(guid: str) -> bytes:
-        return model_description(model, traced, maker.FLAVOUR, guid, version("ahv"))
+        return model_description(model, trace, maker.FLAVOUR, guid, version("ahv"))
 
     files["modelDescription.xml"] = describe("")
     guid = "{" + pack.digest(files)[:32] + "}"
     files["modelDescription.xml"] = describe(guid)
     files.update(maker.binaries(model, files, guid, arm))
-    path = dist / flavour / f"{name}.fmu"
+    path = dist / flavour / f"{model.NAME}.fmu"
     pack.write(path, files)
     return path
 
 
-def build_all(flavours: list[str], arm: bool = False) -> list[Path]:
-    return [build(name, flavour, arm=arm) for flavour in flavours for name in MODELS]
+def build_all(models: Iterable[ModuleType | str], flavours: Iterable[str], arm: bool = False) -> list[Path]:
+    """Every model in every flavour, below DIST: the paths. Raises as `build` does."""
+    models = list(models)
+    return [build(model, flavour, arm=arm) for flavour in flavours for model in models]

@@ -7,7 +7,7 @@ import casadi
 
 from .interface import Variable, computed, names, variables
 from .trace import Trace
-from .units import DEGREES, UNITS, display_unit
+from .units import DEGREES, UNITS
 
 TOOL = "ahv"
 LOG_CATEGORIES = {
@@ -28,14 +28,17 @@ class Flavour:
 
 
 def number(value: float) -> str:
+    """A number as XML that gives the very same double."""
     return repr(float(value))
 
 
 def boolean(value: object) -> str:
+    """A truth value as XML."""
     return "true" if value else "false"
 
 
 def add_units(root: Element, table: list[Variable]) -> None:
+    """<UnitDefinitions>: the units of the table in SI base units, and what they are shown in."""
     definitions = SubElement(root, "UnitDefinitions")
     for unit in sorted({v.unit for v in table} - {""}):
         element = SubElement(definitions, "Unit", name=unit)
@@ -46,12 +49,12 @@ def add_units(root: Element, table: list[Variable]) -> None:
             if factor != 1.0:
                 base["factor"] = number(factor)
             SubElement(element, "BaseUnit", base)
-        shown = display_unit(unit)
-        if shown:
+        for shown in sorted({v.display_unit for v in table if v.unit == unit and v.display_unit}):
             SubElement(element, "DisplayUnit", name=shown, factor=number(DEGREES))
 
 
 def add_variable(parent: Element, v: Variable) -> None:
+    """One <ScalarVariable>."""
     variability = {"input": "continuous", "output": "continuous"}.get(v.causality, "fixed")
     if v.type == "Boolean" and variability == "continuous":
         variability = "discrete"
@@ -64,7 +67,7 @@ def add_variable(parent: Element, v: Variable) -> None:
     if v.type == "Boolean":
         SubElement(element, "Boolean", {} if v.start is None else {"start": boolean(v.start)})
         return
-    real = {"unit": v.unit, "displayUnit": display_unit(v.unit), "min": v.minimum, "max": v.maximum,
+    real = {"unit": v.unit, "displayUnit": v.display_unit, "min": v.minimum, "max": v.maximum,
             "nominal": v.nominal, "start": v.start}
     SubElement(element, "Real", {k: x if isinstance(x, str) else number(x) for k, x in real.items() if x is not None})
 
@@ -88,6 +91,7 @@ def dependencies(trace: Trace) -> tuple[list[list[int]], list[list[int]]]:
 
 
 def add_structure(root: Element, table: list[Variable], trace: Trace) -> None:
+    """<ModelStructure>, with the dependencies of what is computed."""
     position = {v.name: i + 1 for i, v in enumerate(table)}
     inputs, parameters = names(table, "input"), names(table, "parameter")
     after_step, at_start = dependencies(trace)
@@ -127,7 +131,7 @@ def model_description(model: ModuleType, trace: Trace, flavour: Flavour, guid: s
     for v in table:
         add_variable(parent, v)
     add_structure(root, table, trace)
-    return xml(root)
+    return xml_bytes(root)
 
 
 def parameter_set(name: str, values: dict[str, float | bool]) -> bytes:
@@ -140,9 +144,10 @@ def parameter_set(name: str, values: dict[str, float | bool]) -> bytes:
             SubElement(parameter, "ssv:Boolean", value=boolean(value))
         else:
             SubElement(parameter, "ssv:Real", value=number(value))
-    return xml(root)
+    return xml_bytes(root)
 
 
-def xml(root: Element) -> bytes:
+def xml_bytes(root: Element) -> bytes:
+    """The document `root`, indented; `root` is changed by that."""
     indent(root)
     return b'<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root) + b"\n"

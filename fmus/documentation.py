@@ -1,8 +1,6 @@
 """The page and the icon an FMU carries, made from its model's table and docstrings."""
 import ast
-import inspect
 import struct
-import sys
 import zlib
 from html import escape
 from pathlib import Path
@@ -10,10 +8,9 @@ from types import ModuleType
 
 from .description import dependencies
 from .interface import Variable, computed, names, variables
+from .model_files import model_files
 from .trace import Trace
-from .units import DEGREES, display_unit
 
-ROOT = Path(__file__).parent.parent
 STYLE = ("body{font:15px sans-serif;max-width:70em;margin:2em auto;padding:0 1em}table{border-collapse:collapse}"
          "td,th{border:1px solid #ccc;padding:.2em .5em;text-align:left}"
          "pre{background:#f6f6f6;padding:1em;overflow:auto}")
@@ -24,14 +21,15 @@ is discarded: the FMU says why, stays at the last communication point, and can b
 is set to something not finite keeps its old value, and no step is taken until it is set again."""
 
 
-def shown(v: Variable, value: float | bool | None) -> str:
+def cell_text(v: Variable, value: float | bool | None) -> str:
     """A value of `v` as people read it: angles in degrees."""
     if value is None or isinstance(value, bool):
         return "" if value is None else str(value).lower()
-    return f"{value * (DEGREES if display_unit(v.unit) else 1):.6g}"
+    return f"{v.displayed(value):.6g}"
 
 
 def html_table(head: list[str], rows: list[list[str]]) -> str:
+    """An HTML table of plain texts."""
     def line(cells: list[str], tag: str) -> str:
         return "<tr>" + "".join(f"<{tag}>{escape(cell)}</{tag}>" for cell in cells) + "</tr>"
 
@@ -39,35 +37,23 @@ def html_table(head: list[str], rows: list[list[str]]) -> str:
 
 
 def variable_rows(table: list[Variable], *causalities: str) -> list[list[str]]:
-    return [[v.name, str(v.value_reference), display_unit(v.unit) or v.unit or "Boolean", shown(v, v.start),
-             shown(v, v.minimum), shown(v, v.maximum), v.description] for v in table if v.causality in causalities]
+    """What the page says of each variable of these causalities."""
+    return [[v.name, str(v.value_reference), v.display_unit or v.unit or "Boolean", cell_text(v, v.start),
+             cell_text(v, v.minimum), cell_text(v, v.maximum), v.description]
+            for v in table if v.causality in causalities]
 
 
-def equations(model: ModuleType) -> list[ModuleType]:
-    """`model` and the modules of this project that its functions come from, directly or not."""
-    found: list[ModuleType] = []
-    waiting = [model]
-    while waiting:
-        module = waiting.pop(0)
-        if module in found:
-            continue
-        found.append(module)
-        origins = {getattr(value, "__module__", None) or "" for value in vars(module).values()}
-        waiting += [sys.modules[name] for name in sorted(origins)
-                    if name in sys.modules and (ROOT / name.split(".")[0] / "__init__.py").exists()]
-    return found
-
-
-def source(module: ModuleType) -> str:
-    """One module's docstring, and its code folded away."""
-    text = inspect.getsource(module)
+def module_source(name: str, file: Path) -> str:
+    """One file of the model (its name in the model, such as my_room/equations.py): docstring, and code folded away."""
+    text = file.read_text(encoding="utf-8")
     about = ast.get_docstring(ast.parse(text)) or ""
-    return (f"<h3>{escape(module.__name__)}</h3><pre>{escape(about)}</pre>\n"
+    title = name.removesuffix(".py").replace("/", ".")
+    return (f"<h3>{escape(title)}</h3><pre>{escape(about)}</pre>\n"
             f"<details><summary>source</summary><pre>{escape(text)}</pre></details>")
 
 
 def page(model: ModuleType, trace: Trace) -> bytes:
-    """documentation/index.html."""
+    """documentation/index.html. Raises ModelError as `model_files` does."""
     table = variables(model.VARIABLES)
     inputs = names(table, "input")
     feeds = [[name, ", ".join(inputs[i] for i in columns) or "no input"]
@@ -76,7 +62,7 @@ def page(model: ModuleType, trace: Trace) -> bytes:
     presets = []
     for name, values in model.PRESETS.items():
         by_name = {v.name: v for v in table}
-        rows = [[key, shown(by_name[key], value), display_unit(by_name[key].unit) or by_name[key].unit]
+        rows = [[key, cell_text(by_name[key], value), by_name[key].display_unit or by_name[key].unit]
                 for key, value in values.items()]
         presets.append(f"<details><summary>{escape(name)} (resources/presets/{escape(name)}.ssv)</summary>"
                        + html_table(["parameter", "value", "unit"], rows) + "</details>")
@@ -91,7 +77,7 @@ def page(model: ModuleType, trace: Trace) -> bytes:
         "<p>Connect variables of one name and unit; an input left alone keeps its start value. What an output depends "
         "on at once decides the order in which components are stepped: one that depends on no input breaks a loop.</p>",
         html_table(["output", "depends at once on"], feeds),
-        "<h2>Equations</h2>", *(source(module) for module in equations(model))])
+        "<h2>Equations</h2>", *(module_source(*file) for file in model_files(model).items())])
     return (f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><title>{escape(model.NAME)}</title>'
             f"<style>{STYLE}</style></head>\n<body>\n{body}\n</body></html>\n").encode()
 

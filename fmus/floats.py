@@ -1,29 +1,35 @@
 """The mathematics backend on plain floats: what a model's equations may call, and nothing more.
 
-`fmus.symbols` has the same names on CasADi symbols.
+`fmus.symbols` has the same names on CasADi symbols. Every function takes and returns single numbers.
 """
 from math import asin, ceil, cos, exp, fabs, floor, sin, sqrt, tan  # noqa: F401
 
 
-def where(condition, yes, no):
+def where(condition: bool, yes: float, no: float) -> float:
+    """`yes` where the condition holds, else `no`; both are computed."""
     return yes if condition else no
 
 
-def fmin(a, b):
+def fmin(a: float, b: float) -> float:
+    """The smaller number."""
     return a if a < b else b
 
 
-def fmax(a, b):
+def fmax(a: float, b: float) -> float:
+    """The larger number."""
     return a if a > b else b
 
 
-def clip(value, low, high):
+def clip(value: float, low: float, high: float) -> float:
+    """`value` within [low, high]."""
     return low if value < low else high if value > high else value
 
 
-def both(a, b):
+def both(a: bool, b: bool) -> bool:
+    """Whether both conditions hold."""
     return a and b
 
 
-def either(a, b):
+def either(a: bool, b: bool) -> bool:
+    """Whether one of the conditions holds, or both."""
     return a or b

@@ -1,9 +1,10 @@
-"""What a model is, and its table of variables made into checked records.
+"""What a model is, and its table of variables made into records.
 
 A model is a module with
     NAME, DESCRIPTION      identifier and one line of text
     VARIABLES              rows (name, causality, unit, start, min, max, nominal, description);
-                           angles in rad; the unit "" makes a Boolean, every other a Real
+                           angles in rad, and shown in degrees; "rad/s frequency" is the unit rad/s of what is no
+                           rate of an angle, and shown as it is; the unit "" makes a Boolean, every other a Real
     PRESETS                name -> {parameter: value}
     start(m, u, p) -> x                    initial state, a list of floats, from inputs and parameters
     advance(m, t, h, x, u, p, c) -> x      the state h seconds later, with the inputs held
@@ -12,10 +13,18 @@ A model is a module with
 where m is the mathematics backend (`fmus.floats` or `fmus.symbols`) and u, p have the inputs and the
 parameters as attributes. A model with a parameter `internal_step` is advanced in equal steps no longer
 than that; the range of an output is where the model is valid.
+
+`fmus.check_model` finds the mistakes of a model before it becomes an FMU; nothing here looks for them.
 """
 from dataclasses import dataclass
+from math import ceil, degrees
 
+COLUMNS = ("name", "causality", "unit", "start", "min", "max", "nominal", "description")
 CAUSALITIES = ("input", "output", "calculatedParameter", "parameter")
+GIVEN = ("input", "parameter")  # these have a start value, the others are computed
+ROUNDING = 1e-9  # of an internal step: 10 ms in steps of 1 ms are 10, not 11
+
+Row = tuple[str, str, str, float | bool | None, float | None, float | None, float | None, str]
 
 
 @dataclass(frozen=True)
@@ -30,39 +39,46 @@ class Variable:
     nominal: float | None
     description: str
     value_reference: int
+    display_unit: str | None  # the unit that people read, deg for rad; None where it is `unit`
 
     @property
     def type(self) -> str:
+        """The FMI type, Real or Boolean."""
         return "Real" if self.unit else "Boolean"
 
+    @property
+    def unit_suffix(self) -> str:
+        """What follows a number of this variable in a sentence: " deg", or nothing for a plain number."""
+        return "" if self.unit in ("", "1") else f" {self.display_unit or self.unit}"
 
-def variables(rows) -> list[Variable]:
-    """The table of a model as records.
-
-    Raises ValueError naming the variable whose row contradicts itself.
-    """
-    table = [Variable(*row, i) for i, row in enumerate(rows)]  # type: ignore[call-arg]
-    names = set()
-    for v in table:
-        has_start = v.start is not None
-        low = v.minimum if v.minimum is not None else float("-inf")
-        high = v.maximum if v.maximum is not None else float("inf")
-        if v.name in names:
-            raise ValueError(f"{v.name} stands twice in the table")
-        if v.causality not in CAUSALITIES:
-            raise ValueError(f"{v.name}: causality {v.causality!r} is none of {', '.join(CAUSALITIES)}")
-        if has_start != (v.causality in ("input", "parameter")):
-            raise ValueError(f"{v.name}: inputs and parameters have a start value, outputs have none")
-        if has_start and not low <= v.start <= high:  # type: ignore[operator]
-            raise ValueError(f"{v.name}: start {v.start} is outside [{low}, {high}]")
-        names.add(v.name)
-    return table
+    def displayed(self, value: float) -> float:
+        """A value of this variable in its display unit."""
+        return degrees(value) if self.display_unit else value
 
 
-def names(table, *causalities) -> list[str]:
+def record(row: Row, value_reference: int) -> Variable:
+    """A row of a table, which stands at `value_reference`, as a record."""
+    name, causality, unit, start, low, high, nominal, description = row
+    unit, _, kind = unit.partition(" ")
+    shown = unit.replace("rad", "deg") if unit.startswith("rad") and kind != "frequency" else None
+    return Variable(name, causality, unit, start, low, high, nominal, description, value_reference, shown)
+
+
+def variables(rows: list[Row]) -> list[Variable]:
+    """The table of a model (its VARIABLES) as records, in the table's order."""
+    return [record(row, i) for i, row in enumerate(rows)]
+
+
+def names(table: list[Variable], *causalities: str) -> list[str]:
+    """Names of the variables of these causalities, in the table's order."""
     return [v.name for v in table if v.causality in causalities]
 
 
-def computed(table) -> list[str]:
+def computed(table: list[Variable]) -> list[str]:
     """Names of what `outputs` returns, in the table's order."""
     return names(table, "output", "calculatedParameter")
+
+
+def internal_steps(step: float, longest: float) -> int:
+    """How many equal internal steps of at most `longest` seconds a communication step of `step` seconds takes."""
+    return max(1, ceil(step / longest - ROUNDING))

@@ -1,37 +1,38 @@
 """What `ahv linearize` tells: the vehicle alone and under a controller, about a trim, as plain data."""
-from importlib import import_module
+from types import ModuleType
 from typing import Any
 
 import numpy as np
 
-from .build import MODELS
-from .linearize import Linear, damping, linear_loop, vehicle
+from .linearize import Array, Linear, damping, linear_loop, linear_vehicle
 
 ZEROS = (("fuel_ratio", "V"), ("fuel_ratio", "gamma"), ("elevator", "V"), ("elevator", "gamma"), ("elevator", "theta"))
 
 
-def roots(values: np.ndarray) -> list[dict[str, float | None]]:
+def roots(values: Array) -> list[dict[str, float | None]]:
     """Poles or zeros: real and imaginary part (1/s), natural frequency (rad/s), damping ratio."""
     return [{"real": float(v.real), "imag": float(v.imag), "omega": float(abs(v)), "damping": d}
             for v, d in zip(values, damping(values)) if abs(v) < 1e4]
 
 
 def matrices(system: Linear) -> dict[str, Any]:
+    """A, B, C, D as lists of rows, and what their rows and columns are."""
     return {"states": system.states, "inputs": system.inputs, "outputs": system.outputs, "step_s": system.step,
             **{name: getattr(system, name).tolist() for name in "ABCD"}}
 
 
-def preset_gains(controller: str, preset: str) -> dict[str, Any]:
-    """The parameters that a preset of the controller (a model's name) sets. Raises KeyError for an unknown one."""
-    return dict(import_module(MODELS[controller]).PRESETS[preset])
+def preset_gains(law: ModuleType, preset: str) -> dict[str, Any]:
+    """The parameters that a preset of the law sets. Raises KeyError for an unknown one."""
+    return dict(law.PRESETS[preset])
 
 
-def linear_report(controller: str, gains: dict[str, Any], V: float, h: float, step: float,
-                  scale: dict[str, float], plant: dict[str, Any]) -> dict[str, Any]:
+def linear_report(plant: ModuleType, law: ModuleType, gains: dict[str, Any], V: float, h: float, step: float,
+                  scale: dict[str, float], parameters: dict[str, Any]) -> dict[str, Any]:
     """Open loop: continuous, with zeros. Closed loop: sampled every `step` seconds as it flies, poles as those of the
-    continuous system with the same samples; margins at each actuator and sensor."""
-    alone = vehicle(V, h, scale, **plant)
-    loop = linear_loop(controller, gains, V, h, step, scale, plant)
+    continuous system with the same samples; margins at each actuator and sensor. The arguments are those of
+    `linear_loop`, and so is what it raises."""
+    alone = linear_vehicle(plant, V, h, scale, **parameters)
+    loop = linear_loop(plant, law, gains, V, h, step, scale, parameters)
     closed = loop.cut()
     stable = bool(np.abs(np.linalg.eigvals(closed.A)).max() < 1)
     fuel_ratio, elevator = (float(v) for v in loop.y)

@@ -3,30 +3,31 @@
 The vehicle alone is linearised in continuous time, from (1)-(9). The closed loop is linearised as it flies:
 sampled, the controller stepped first with the measurements held, then the plant with the controller's outputs
 held (Gauss-Seidel), each in its internal steps.
+
+Plants and control laws are model modules (see `fmus.interface`). A plant that is linearised has the inputs of
+`ahv_plant_fmu.model`, begins its state with STATES, and has, besides,
+    level_trim(m, V, h, p)                              level flight: theta, eta1, eta2, fuel_ratio, elevator
+    derivative(m, x, fuel_ratio, elevator, scale, p)    dx/dt of the nine states
+A law has the inputs V, h, gamma, theta, Q, V_command, h_command, the outputs fuel_ratio and elevator, and their limits
+as parameters.
 """
 from dataclasses import dataclass
 from functools import cache
-from importlib import import_module
-from math import ceil
-from types import SimpleNamespace
+from types import ModuleType, SimpleNamespace
 from typing import Any
 
 import casadi
 import numpy as np
+import numpy.typing as npt
 import scipy.linalg
 
-from ahv_plant_fmu import model as plant_model
-from ahv_plant_fmu.equations import derivative
-from ahv_plant_fmu.trim import level_trim
-
 from . import floats, symbols
-from .build import MODELS
-from .interface import computed, names, variables
+from .interface import computed, internal_steps, names, variables
 from .margins import Margins, frequencies, margins, response
-from .trace import trace
+from .trace import symbol_namespace, trace_model
 
-Array = np.ndarray
-STATES = list(plant_model.SHOWN_STATES)
+Array = npt.NDArray[Any]
+STATES = ["V", "h", "gamma", "theta", "Q", "eta1", "eta1_dot", "eta2", "eta2_dot"]
 ACTUATORS = ["fuel_ratio", "elevator"]
 SENSORS = ["V", "h", "gamma", "theta", "Q"]
 COMMANDS = ["V_command", "h_command"]
@@ -53,21 +54,29 @@ class Linear:
 
     @property
     def poles(self) -> Array:
-        """1/s, slowest first; of a sampled system those of the continuous one with the same samples."""
+        """A vector in 1/s, slowest first; of a sampled system those of the continuous one with the same samples."""
         values = np.linalg.eigvals(self.A).astype(complex)
         if self.step:
             values = np.log(np.where(values == 0, 1e-300, values)) / self.step
-        return values[np.argsort(np.abs(values))]
+        return by_magnitude(values)
 
     def zeros(self, source: str, target: str) -> Array:
-        """Transmission zeros from one input to one output of a continuous system, 1/s, smallest first."""
+        """Transmission zeros from one input to one output of a continuous system, 1/s, smallest first: a vector.
+
+        Raises ValueError for a name that is no input or output.
+        """
         i, o = self.inputs.index(source), self.outputs.index(target)
         n = len(self.A)
         pencil = np.block([[self.A, self.B[:, [i]]], [self.C[[o]], self.D[[o]][:, [i]]]])
         mass = np.diag([1.0] * n + [0.0])
         values = scipy.linalg.eigvals(pencil, mass)
-        values = values[np.isfinite(values) & (np.abs(values) < 1e6)]
-        return values[np.argsort(np.abs(values))]
+        return by_magnitude(values[np.isfinite(values) & (np.abs(values) < 1e6)])
+
+
+def by_magnitude(values: Array) -> Array:
+    """`values`, a vector, smallest first."""
+    ordered: Array = values[np.argsort(np.abs(values))]
+    return ordered
 
 
 def damping(poles: Array) -> list[float]:
@@ -76,20 +85,18 @@ def damping(poles: Array) -> list[float]:
 
 
 @cache
-def vehicle_jacobian() -> tuple[list[str], casadi.Function]:
-    """Parameter names, and (x, u, scale, p) -> (dx/dt, its Jacobian by x, by u)."""
-    members = names(variables(plant_model.VARIABLES), "parameter")
+def vehicle_jacobian(plant: ModuleType) -> casadi.Function:
+    """(x, u, scale, p) -> (dx/dt, its Jacobian by x, by u), with 9 states, 2 inputs and a factor per group."""
+    members = names(variables(plant.VARIABLES), "parameter")
     x, u = casadi.SX.sym("x", 9), casadi.SX.sym("u", 2)
     s, p = casadi.SX.sym("s", len(GROUPS)), casadi.SX.sym("p", len(members))
-    rate = casadi.vertcat(*derivative(
-        symbols, [x[i] for i in range(9)], u[0], u[1], SimpleNamespace(**{g: s[i] for i, g in enumerate(GROUPS)}),
-        SimpleNamespace(**{name: p[i] for i, name in enumerate(members)})))
-    return members, casadi.Function("vehicle", [x, u, s, p],
-                                    [rate, casadi.jacobian(rate, x), casadi.jacobian(rate, u)])
+    rate = casadi.vertcat(*plant.derivative(symbols, [x[i] for i in range(9)], u[0], u[1], symbol_namespace(s, GROUPS),
+                                            symbol_namespace(p, members)))
+    return casadi.Function("vehicle", [x, u, s, p], [rate, casadi.jacobian(rate, x), casadi.jacobian(rate, u)])
 
 
-def values_of(model: Any, given: dict[str, Any]) -> SimpleNamespace:
-    """A model's parameters, those in `given` changed."""
+def values_of(model: ModuleType, given: dict[str, Any]) -> SimpleNamespace:
+    """A model's parameters, those in `given` changed. Raises ValueError for a name that is no parameter."""
     defaults = {v.name: v.start for v in variables(model.VARIABLES) if v.causality == "parameter"}
     unknown = set(given) - set(defaults)
     if unknown:
@@ -97,35 +104,41 @@ def values_of(model: Any, given: dict[str, Any]) -> SimpleNamespace:
     return SimpleNamespace(**{**defaults, **given})
 
 
-def flat(values: SimpleNamespace) -> list[float]:
+def in_table_order(values: SimpleNamespace) -> list[float]:
+    """The values alone, in the order of the table."""
     return [float(v) for v in vars(values).values()]
 
 
-def vehicle(V: float, h: float, scale: dict[str, float] | None = None, **parameters: float) -> Linear:
+def linear_vehicle(plant: ModuleType, V: float, h: float, scale: dict[str, float] | None = None,
+                   **parameters: float) -> Linear:
     """The vehicle alone about level flight at V (ft/s), h (ft): inputs fuel ratio and elevator, outputs all
     states and the angle of attack. Coefficient groups named in `scale` are multiplied by it.
 
-    Raises NoTrim where level flight cannot be found.
+    Raises NoTrim where level flight cannot be found, ValueError for an unknown parameter.
     """
-    p = values_of(plant_model, parameters)
+    p = values_of(plant, parameters)
     s = [1.0 * (scale or {}).get(g, 1.0) for g in GROUPS]
-    x, u = vehicle_trim(V, h, s, p)
-    _, jacobian = vehicle_jacobian()
-    _, A, B = (np.array(m) for m in jacobian(x, u, s, flat(p)))
+    x, u = vehicle_trim(plant, V, h, s, p)
+    _, A, B = (np.array(m) for m in vehicle_jacobian(plant)(x, u, s, in_table_order(p)))
     C = np.vstack([np.eye(9), [0, 0, -1, 1, 0, 0, 0, 0, 0]])
     return Linear(A, B, C, np.zeros((10, 2)), STATES, ACTUATORS, [*STATES, "alpha"])
 
 
-def vehicle_trim(V: float, h: float, s: list[float], p: SimpleNamespace) -> tuple[Array, Array]:
-    """States and inputs of level flight with the groups scaled by `s`: Newton from the nominal trim on theta,
-    eta1, eta2, the fuel ratio and the elevator."""
-    nominal = level_trim(floats, V, h, p)
-    x = np.array([V, h, 0.0, nominal.theta, 0.0, nominal.eta1, 0.0, nominal.eta2, 0.0])
+def nominal_trim(plant: ModuleType, V: float, h: float, p: SimpleNamespace) -> tuple[Array, SimpleNamespace]:
+    """The nine states of level flight without any scaling, and all that the plant says of it."""
+    nominal = plant.level_trim(floats, V, h, p)
+    return np.array([V, h, 0.0, nominal.theta, 0.0, nominal.eta1, 0.0, nominal.eta2, 0.0]), nominal
+
+
+def vehicle_trim(plant: ModuleType, V: float, h: float, s: list[float], p: SimpleNamespace) -> tuple[Array, Array]:
+    """States (9) and inputs (2) of level flight with the groups scaled by `s`: Newton from the nominal trim on theta,
+    eta1, eta2, the fuel ratio and the elevator. Raises NoTrim where it does not arrive."""
+    x, nominal = nominal_trim(plant, V, h, p)
     u = np.array([nominal.fuel_ratio, nominal.elevator])
-    _, jacobian = vehicle_jacobian()
+    jacobian = vehicle_jacobian(plant)
     free = [3, 5, 7]
     for _ in range(NEWTON_STEPS):
-        rate, A, B = (np.array(m) for m in jacobian(x, u, s, flat(p)))
+        rate, A, B = (np.array(m) for m in jacobian(x, u, s, in_table_order(p)))
         change = np.linalg.lstsq(np.hstack([A[:, free], B]), -rate.ravel(), rcond=None)[0]
         x[free] += change[:3]
         u += change[3:]
@@ -139,12 +152,13 @@ def vehicle_trim(V: float, h: float, s: list[float], p: SimpleNamespace) -> tupl
 class Sampled:
     """A traced model that is advanced over one communication step, with Jacobians."""
 
-    def __init__(self, module: str):
-        self.model = import_module(module)
+    def __init__(self, model: ModuleType):
+        """Trace `model` and differentiate what was traced."""
+        self.model = model
         table = variables(self.model.VARIABLES)
         self.inputs, self.parameters, self.outputs = (
             names(table, "input"), names(table, "parameter"), computed(table))
-        self.trace = trace(self.model)
+        self.trace = trace_model(self.model)
         n = self.trace.sizes
         t, h = casadi.SX.sym("t"), casadi.SX.sym("h")
         x, u, p, c = (casadi.SX.sym(k, n[k]) for k in "xupc")
@@ -155,8 +169,8 @@ class Sampled:
 
     def stepped(self, step: float, x: Array, u: Array, p: SimpleNamespace) -> tuple[Array, Array, Array]:
         """The state after `step` seconds with its Jacobians by x and by u."""
-        count = ceil(step / p.internal_step - 1e-9)
-        h, numbers = step / count, flat(p)
+        count = internal_steps(step, p.internal_step)
+        h, numbers = step / count, in_table_order(p)
         c = self.trace.prepare(numbers, h)
         A, B = np.eye(len(x)), np.zeros((len(x), len(u)))
         for _ in range(count):
@@ -166,8 +180,9 @@ class Sampled:
 
 
 @cache
-def sampled(name: str) -> Sampled:
-    return Sampled(MODELS[name])
+def sampled(model: ModuleType) -> Sampled:
+    """`model` ready to be stepped; made once."""
+    return Sampled(model)
 
 
 @dataclass(frozen=True)
@@ -230,22 +245,21 @@ class Loop:
         return result
 
 
-def linear_loop(controller: str, gains: dict[str, Any], V: float, h: float, step: float = 0.01,
-                scale: dict[str, float] | None = None, plant: dict[str, float] | None = None) -> Loop:
-    """The closed loop that holds V (ft/s), h (ft), about its own equilibrium: `controller` is a model's name, `gains`
-    its parameters, `scale` a factor per coefficient group and `plant` parameters of the vehicle.
+def linear_loop(plant: ModuleType, law: ModuleType, gains: dict[str, Any], V: float, h: float, step: float = 0.01,
+                scale: dict[str, float] | None = None, parameters: dict[str, float] | None = None) -> Loop:
+    """The closed loop that holds V (ft/s), h (ft), about its own equilibrium, with a sample every `step` seconds:
+    `gains` are parameters of the law, `parameters` of the plant, `scale` a factor per coefficient group.
 
     Memories (states that no step changes) are left out. Raises NoTrim where the loop has no equilibrium, or one
-    only with an actuator at its limit.
+    only with an actuator at its limit, and ValueError for an unknown parameter.
     """
-    vehicle_model, law = sampled("AhvPlant"), sampled(controller)
-    pp, pc = values_of(vehicle_model.model, plant or {}), values_of(law.model, gains)
-    nominal = level_trim(floats, V, h, pp)
-    x = np.array([V, h, 0.0, nominal.theta, 0.0, nominal.eta1, 0.0, nominal.eta2, 0.0])
-    z = np.array(law.trace.start([V, h, 0.0, nominal.theta, 0.0, V, h], flat(pc))).ravel()
+    vehicle_model, law_model = sampled(plant), sampled(law)
+    pp, pc = values_of(plant, parameters or {}), values_of(law, gains)
+    x, nominal = nominal_trim(plant, V, h, pp)
+    z = np.array(law_model.trace.start([V, h, 0.0, nominal.theta, 0.0, V, h], in_table_order(pc))).ravel()
     wanted = np.array([float((scale or {}).get(g, 1.0)) for g in GROUPS])
     for part in (np.linspace(0, 1, STAGES + 1)[1:] if np.any(wanted != 1) else [1.0]):
-        loop = equilibrium(vehicle_model, law, pp, pc, 1 + part * (wanted - 1), x, z, step, np.array([V, h]))
+        loop = equilibrium(vehicle_model, law_model, pp, pc, 1 + part * (wanted - 1), x, z, step, np.array([V, h]))
         x, z = loop.x, loop.z
     fuel_ratio, elevator = loop.y
     if not (pc.fuel_ratio_min < fuel_ratio < pc.fuel_ratio_max and pc.elevator_min < elevator < pc.elevator_max):
@@ -256,13 +270,16 @@ def linear_loop(controller: str, gains: dict[str, Any], V: float, h: float, step
 
 def equilibrium(vehicle_model: Sampled, law: Sampled, pp: SimpleNamespace, pc: SimpleNamespace, scale: Array,
                 x: Array, z: Array, step: float, commands: Array) -> Loop:
-    """The loop about the state that one communication step does not change: Newton from x, z."""
+    """The loop about the state that one communication step does not change: Newton from x, z.
+
+    Raises NoTrim where it does not arrive.
+    """
     memory = np.zeros(vehicle_model.trace.sizes["x"] - 9)
     actuators = [law.outputs.index(name) for name in ACTUATORS]
     for _ in range(NEWTON_STEPS):
         m = np.array([*x[:5], *commands])
         z1, Az, Bz = law.stepped(step, z, m, pc)
-        y, Cz, Dz = (np.array(a)[actuators] for a in law.shown(z1, m, flat(pc)))
+        y, Cz, Dz = (np.array(a)[actuators] for a in law.shown(z1, m, in_table_order(pc)))
         x1, Ap, Bp = vehicle_model.stepped(step, np.array([*x, *memory]), np.array([*y.ravel(), *scale]), pp)
         loop = Loop(x, z, y.ravel(), Ap[:9, :9], Bp[:9, :2], Az, Bz, Cz, Dz, step)
         residual = np.concatenate([(x1[:9] - x), z1 - z])
@@ -279,6 +296,7 @@ def equilibrium(vehicle_model: Sampled, law: Sampled, pp: SimpleNamespace, pc: S
 
 
 def without_memory(loop: Loop) -> Loop:
+    """The loop without the states of the law that neither it nor its inputs change."""
     J = np.hstack([loop.Az - np.eye(len(loop.Az)), loop.Bz])
     live = np.abs(J).max(axis=1) > 0
     return Loop(loop.x, loop.z[live], loop.y, loop.Ap, loop.Bp, loop.Az[np.ix_(live, live)], loop.Bz[live],

@@ -4,10 +4,12 @@
 """
 from dataclasses import asdict, dataclass
 from math import pi
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
-Array = np.ndarray
+Array = npt.NDArray[Any]
 FREQUENCIES = 3000
 LOWEST = 1e-3  # rad/s
 REAL = 1e-6  # rad
@@ -27,11 +29,12 @@ class Margins:
     crossover: float | None
 
     def as_dict(self) -> dict[str, float | None]:
+        """The margins by name."""
         return asdict(self)
 
 
 def response(A: Array, B: Array, C: Array, D: Array, omega: Array, step: float) -> Array:
-    """C (zI - A)^-1 B + D at z = exp(j omega step), shape (frequencies, outputs, inputs)."""
+    """C (zI - A)^-1 B + D at z = exp(j omega step), omega in rad/s: shape (frequencies, outputs, inputs)."""
     z = np.exp(1j * omega * step)[:, None, None]
     return C @ np.linalg.solve(z * np.eye(len(A)) - A, np.broadcast_to(B.astype(complex), (len(z), *B.shape))) + D
 

@@ -7,7 +7,7 @@ import casadi
 
 from .interface import Variable, computed, names, variables
 from .trace import Trace
-from .units import DEGREES, display_unit
+from .units import DEGREES
 
 CAUSALITY = {"input": "INPUT", "output": "OUTPUT", "calculatedParameter": "CALCULATED_PARAMETER",
              "parameter": "PARAMETER"}
@@ -26,7 +26,7 @@ def tangents(trace: Trace) -> list[casadi.Function]:
             casadi.Function("start_tangent", [t, u, p, du, dp], [casadi.densify(start)])]
 
 
-def internal(name: str, body: str) -> str:
+def internal_function(name: str, body: str) -> str:
     """CasADi's static function as model_`name`(arg, res), without its optional arguments and work arrays."""
     body = re.sub(r"^static int casadi_f\d+\(.*?\) \{$",
                   f"static void model_{name}(const double **arg, double **res)\n{{\n  (void)arg, (void)res;",
@@ -35,11 +35,12 @@ def internal(name: str, body: str) -> str:
     return body.replace("if (res[0]!=0) ", "").replace("  return 0;\n", "")
 
 
-def functions(trace: Trace) -> str:
+def function_code(trace: Trace) -> str:
     """The functions as C with internal linkage: void model_NAME(arguments, results).
 
     CasADi writes them for a library of their own, with exported functions to inquire about them; only the
-    functions themselves and the helpers they call are kept.
+    functions themselves and the helpers they call are kept. Raises RuntimeError for C of another shape than this
+    version of CasADi is known to write.
     """
     generator = casadi.CodeGenerator("model", {"casadi_real": "double", "casadi_int": "int"})
     kept = [trace.prepare, trace.start, trace.advance, trace.outputs, *tangents(trace)]
@@ -50,33 +51,32 @@ def functions(trace: Trace) -> str:
     _, begins, helpers = before.rpartition("#endif\n\ncasadi_real")
     helpers = re.sub(r"^casadi_real casadi_", "static double casadi_", begins[8:] + helpers, flags=re.MULTILINE)
     bodies = re.findall(r"^/\* (\w+):[^\n]*\*/\n(static int casadi_f\d+\(.*?^\}\n)", text, re.MULTILINE | re.DOTALL)
-    code = "\n".join(["#include <math.h>\n", helpers, *(internal(*body) for body in bodies)])
+    code = "\n".join(["#include <math.h>\n", helpers, *(internal_function(*body) for body in bodies)])
     code = code.replace("casadi_real", "double")
     if [name for name, _ in bodies] != [f.name() for f in kept] or re.search(r"arg\[\d+\]\?|\b(iw|w|return 1)\b", code):
         raise RuntimeError(f"CasADi {version('casadi')} generates C of another shape than {__name__} knows")
     return code
 
 
-def real(value: float | bool | None, otherwise: str = "0.0") -> str:
+def c_number(value: float | bool | None, otherwise: str = "0.0") -> str:
+    """A number as C that gives the very same double; `otherwise` for None."""
     return otherwise if value is None else repr(float(value))
 
 
-def row(v: Variable, place: int) -> str:
-    unit, factor = v.unit, 1.0
-    shown = display_unit(unit)
-    if shown:
-        unit, factor = shown, DEGREES
-    unit = "" if unit in ("", "1") else f" {unit}"
-    boolean = int(v.type == "Boolean")
-    return (f'    {{"{v.name}", {CAUSALITY[v.causality]}, {boolean}, {place}, {real(v.start)}, '
-            f'{real(v.minimum, "-DBL_MAX")}, {real(v.maximum, "DBL_MAX")}, "{unit}", {real(factor)}}},')
+def table_row(v: Variable, place: int) -> str:
+    """A row of TABLE; `place` is where the value stands among those of its causality."""
+    factor = DEGREES if v.display_unit else 1.0
+    limits = f'{c_number(v.minimum, "-DBL_MAX")}, {c_number(v.maximum, "DBL_MAX")}'
+    return (f'    {{"{v.name}", {CAUSALITY[v.causality]}, {int(v.type == "Boolean")}, {place}, {c_number(v.start)}, '
+            f'{limits}, "{v.unit_suffix}", {c_number(factor)}}},')
 
 
-def array(kind: str, name: str, values: list[str]) -> str:
+def c_array(kind: str, name: str, values: list[str]) -> str:
+    """A constant array of C, which has at least one entry."""
     return f"static const {kind} {name}[] = {{{', '.join(values or ['0'])}}};"
 
 
-def table(model: ModuleType, trace: Trace) -> str:
+def table_header(model: ModuleType, trace: Trace) -> str:
     """model.h: sizes, the table, and its limits as arrays."""
     rows = variables(model.VARIABLES)
     reference = {v.name: v.value_reference for v in rows}
@@ -90,15 +90,15 @@ def table(model: ModuleType, trace: Trace) -> str:
         f"#define INTERNAL_STEP(p) {'INFINITY' if step is None else f'((p)[{step}])'}",
         "",
         "static const Variable TABLE[] = {",
-        *(row(v, groups.get(v.causality, y).index(v.name)) for v in rows),
+        *(table_row(v, groups.get(v.causality, y).index(v.name)) for v in rows),
         "};",
-        array("unsigned", "INPUTS", [str(reference[name]) for name in groups["input"]]),
-        array("unsigned", "COMPUTED", [str(reference[name]) for name in y]),
-        array("double", "Y_MINIMUM", [real(v.minimum, "-DBL_MAX") for v in results]),
-        array("double", "Y_MAXIMUM", [real(v.maximum, "DBL_MAX") for v in results]),
+        c_array("unsigned", "INPUTS", [str(reference[name]) for name in groups["input"]]),
+        c_array("unsigned", "COMPUTED", [str(reference[name]) for name in y]),
+        c_array("double", "Y_MINIMUM", [c_number(v.minimum, "-DBL_MAX") for v in results]),
+        c_array("double", "Y_MAXIMUM", [c_number(v.maximum, "DBL_MAX") for v in results]),
         ""])
 
 
-def sources(model: ModuleType, trace: Trace) -> dict[str, bytes]:
-    """The generated files."""
-    return {"model.h": table(model, trace).encode(), "model.c": functions(trace).encode()}
+def generated_sources(model: ModuleType, trace: Trace) -> dict[str, bytes]:
+    """The generated files: name -> content. Raises RuntimeError where CasADi generates other C than expected."""
+    return {"model.h": table_header(model, trace).encode(), "model.c": function_code(trace).encode()}

@@ -19,7 +19,8 @@ COMPILE = ["-std=c99", "-O2", "-ffp-contract=off", "-fvisibility=hidden", "-fPIC
 LINK = ["-shared", "-s"]
 
 
-def compiler() -> str:
+def compiler_version() -> str:
+    """The C compiler's version. Raises RuntimeError where it is not installed."""
     try:
         return version("ziglang")
     except PackageNotFoundError:
@@ -27,7 +28,10 @@ def compiler() -> str:
 
 
 def zig(folder: Path, *arguments: str) -> None:
-    """Run zig in `folder`, where all names are relative: no path of this machine gets into a library."""
+    """Run zig in `folder`, where all names are relative: no path of this machine gets into a library.
+
+    Raises RuntimeError where zig fails.
+    """
     caches = {"ZIG_GLOBAL_CACHE_DIR": str(ZIG_CACHE), "ZIG_LOCAL_CACHE_DIR": str(ZIG_CACHE)}
     done = subprocess.run([sys.executable, "-m", "ziglang", *arguments], cwd=folder, env={**os.environ, **caches},
                           capture_output=True, text=True)
@@ -36,7 +40,7 @@ def zig(folder: Path, *arguments: str) -> None:
 
 
 def make(name: str, target: str, folder: Path) -> None:
-    """Compile all.c in `folder` to the library `name`."""
+    """Compile all.c in `folder` to the library `name` for the platform `target`. Raises RuntimeError as `zig` does."""
     cc = ["cc", "-target", target]
     if "windows" not in target:
         zig(folder, *cc, *COMPILE, *LINK, "-o", name, "all.c", "-lm")
@@ -72,9 +76,12 @@ def universal(*libraries: bytes) -> bytes:
 
 
 def library(name: str, target: str, sources: dict[str, bytes]) -> bytes:
-    """The shared library `name` for `target` made of all.c among `sources`; from the cache if it was made before."""
+    """The shared library `name` for `target` made of all.c among `sources`; from the cache if it was made before.
+
+    Raises RuntimeError where the compiler is missing or fails.
+    """
     recipe = Path(__file__).read_bytes() + b"".join(path.read_bytes() for path in sorted(WINDOWS.iterdir()))
-    key = repr((compiler(), name, target, recipe, digest(sources)))
+    key = repr((compiler_version(), name, target, recipe, digest(sources)))
     kept = CACHE / hashlib.sha256(key.encode()).hexdigest()
     if not kept.exists():
         CACHE.mkdir(parents=True, exist_ok=True)

@@ -5,7 +5,7 @@ from types import ModuleType
 import fmpy
 
 from .description import Flavour
-from .native_code import sources
+from .native_code import generated_sources
 from .native_compiler import library, universal
 from .trace import Trace
 
@@ -24,22 +24,22 @@ PLATFORMS = {
 
 
 def files(model: ModuleType, trace: Trace) -> dict[str, bytes]:
-    """What the FMU is made of: its C, all but guid.h."""
-    code = sources(model, trace)
+    """What the FMU is made of: its C, all but guid.h. Raises RuntimeError where CasADi generates other C than known."""
+    code = generated_sources(model, trace)
     code.update((path.name, path.read_bytes()) for path in WRAPPER.iterdir() if path.is_file())
     code.update((path.name, path.read_bytes()) for path in HEADERS.glob("fmi2*.h"))
     return {f"sources/{name}": content for name, content in code.items()}
 
 
-def binaries(model: ModuleType, files: dict[str, bytes], guid: str, arm: bool) -> dict[str, bytes]:
+def binaries(model: ModuleType, contents: dict[str, bytes], guid: str, arm: bool) -> dict[str, bytes]:
     """The GUID, which cannot be known before the sources are, and the libraries it is compiled into.
 
     With `arm`, darwin64 is for both processors, so every importer finds it. FMI 2.0 has no name for Arm Linux:
     its library goes where FMI 3.0 has it, aarch64-linux; importers that look into linux64 on every processor
-    (fmpy 0.3 does) need it moved there.
+    (fmpy 0.3 does) need it moved there. Raises RuntimeError where the compiler is missing or fails.
     """
     header = f'#define FMU_GUID "{guid}"\n'.encode()
-    code = {path.removeprefix("sources/"): content for path, content in files.items() if path.startswith("sources/")}
+    code = {path.removeprefix("sources/"): content for path, content in contents.items() if path.startswith("sources/")}
     code["guid.h"] = header
     made = {f"{folder}/{model.NAME}{suffix}": library(model.NAME + suffix, target, code)
             for folder, (target, suffix) in PLATFORMS.items()}

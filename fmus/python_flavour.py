@@ -1,5 +1,4 @@
 """A model as a pythonfmu FMU: its sources, a generic slave, pythonfmu's binaries."""
-import ast
 import re
 from pathlib import Path
 from types import ModuleType
@@ -7,17 +6,18 @@ from types import ModuleType
 import pythonfmu
 
 from .description import Flavour
+from .model_files import model_files
 from .pack import digest
 from .trace import Trace
 
-ROOT = Path(__file__).parent.parent
+HERE = Path(__file__).parent
 PYTHONFMU = Path(pythonfmu.__file__).parent
 CAPABILITIES = {
     "needsExecutionTool": "true", "canGetAndSetFMUstate": "true", "canSerializeFMUstate": "true",
     "canNotUseMemoryManagementFunctions": "true",
 }
 FLAVOUR = Flavour(CAPABILITIES)
-RUNTIME = ("fmus/slave.py", "fmus/interface.py", "fmus/floats.py")
+RUNTIME = ("slave.py", "interface.py", "floats.py")
 
 # pythonfmu's loader runs this text once more for every instance, and each time drops one reference too many
 # of the module's globals; a module without functions of its own would lose them at once, any other in time.
@@ -25,7 +25,7 @@ SLAVE = """\
 import ctypes
 
 from {package}.fmus.slave import ModelSlave
-from {package}.{where} import {module} as the_model
+from {package}{where} import {module} as the_model
 
 ctypes.pythonapi.Py_IncRef(ctypes.py_object(globals()))
 
@@ -35,45 +35,27 @@ class {name}(ModelSlave):
 """
 
 
-def modules(first: Path) -> set[Path]:
-    """`first` and the files of this project that it imports, directly or not."""
-    found: set[Path] = set()
-    waiting = [first]
-    while waiting:
-        file = waiting.pop()
-        if file in found or not file.is_file():
-            continue
-        found.add(file)
-        for node in ast.walk(ast.parse(file.read_text())):
-            if isinstance(node, ast.ImportFrom):
-                base = file.parents[node.level - 1] if node.level else ROOT
-                place = base.joinpath(*(node.module or "").split("."))
-                waiting += [place.with_suffix(".py"), *(place / f"{alias.name}.py" for alias in node.names)]
-    return found
-
-
 def own_names(source: str, package: str, tops: set[str]) -> str:
-    """`source` with its absolute imports of this project moved below `package`."""
+    """`source` with its absolute imports from `tops`, the first words of the files' names, moved below `package`."""
     return re.sub(rf"^(\s*from )({'|'.join(sorted(tops))})\b", rf"\1{package}.\2", source, flags=re.MULTILINE)
 
 
 def resources(model: ModuleType) -> dict[str, bytes]:
-    """Everything below resources/ of the FMU.
+    """Everything below resources/ of the FMU: path -> content. Raises ModelError as `model_files` does.
 
     All FMUs of a process share sys.modules, so each build's modules live in a package whose name carries
     a hash of their content: two different builds never run each other's code.
     """
-    assert model.__file__
-    sources = [*sorted(modules(Path(model.__file__))), *(ROOT / name for name in RUNTIME)]
-    texts = {path.relative_to(ROOT).as_posix(): path.read_text() for path in sources}
+    sources = dict(sorted(model_files(model).items())) | {f"{HERE.name}/{name}": HERE / name for name in RUNTIME}
+    texts = {name: path.read_text(encoding="utf-8") for name, path in sources.items()}
     package = f"{model.NAME}_{digest({name: text.encode() for name, text in texts.items()})[:12]}"
-    tops = {name.split("/")[0] for name in texts}
+    tops = {name.split("/")[0].removesuffix(".py") for name in texts}
 
     files = {f"{package}/{name}": own_names(text, package, tops) for name, text in texts.items()}
     for name in list(files):
         for parent in list(Path(name).parents)[:-1]:
             files.setdefault(f"{parent.as_posix()}/__init__.py", "")
-    where, _, module = model.__name__.rpartition(".")
+    where, _, module = f".{model.__name__}".rpartition(".")
     files[f"{package}_slave.py"] = SLAVE.format(package=package, where=where, module=module, name=model.NAME)
     files["slavemodule.txt"] = f"{package}_slave\n"
     for source in PYTHONFMU.glob("*.py"):
@@ -82,11 +64,11 @@ def resources(model: ModuleType) -> dict[str, bytes]:
 
 
 def files(model: ModuleType, trace: Trace) -> dict[str, bytes]:
-    """What the FMU is made of, but for its binaries."""
+    """What the FMU is made of, but for its binaries. Raises ModelError as `model_files` does."""
     return resources(model)
 
 
-def binaries(model: ModuleType, files: dict[str, bytes], guid: str, arm: bool) -> dict[str, bytes]:
+def binaries(model: ModuleType, contents: dict[str, bytes], guid: str, arm: bool) -> dict[str, bytes]:
     """pythonfmu's, the same for every model; it has none for Arm."""
     folder = PYTHONFMU / "resources" / "binaries"
     return {f"binaries/{path.parent.name}/{model.NAME}{path.suffix}": path.read_bytes()

@@ -1,13 +1,31 @@
 """The mathematics backend on CasADi symbols: the same names as `fmus.floats`."""
-from casadi import asin, ceil, cos, exp, fabs, floor, fmax, fmin, if_else, logic_and, logic_or, sin, sqrt, tan  # noqa: F401
+from casadi import (  # noqa: F401
+    SX,
+    asin,
+    ceil,
+    cos,
+    exp,
+    fabs,
+    floor,
+    fmax,
+    fmin,
+    if_else,
+    logic_and,
+    logic_or,
+    sin,
+    sqrt,
+    tan,
+)
 
 both = logic_and
 either = logic_or
 
 
-def where(condition, yes, no):
+def where(condition: SX | bool, yes: SX | float, no: SX | float) -> SX:
+    """`yes` where the condition holds, else `no`."""
     return if_else(condition, yes, no)
 
 
-def clip(value, low, high):
+def clip(value: SX | float, low: SX | float, high: SX | float) -> SX:
+    """`value` within [low, high]."""
     return if_else(value < low, low, if_else(value > high, high, value))

@@ -26,12 +26,14 @@ class Trace:
                 "y": self.outputs.size1_out(0), "c": self.prepare.size1_out(0)}
 
 
-def symbol_namespace(vector, members: list[str]) -> SimpleNamespace:
+def symbol_namespace(vector: casadi.SX, members: list[str]) -> SimpleNamespace:
+    """The entries of a column vector as attributes `members`, in this order."""
     return SimpleNamespace(**{name: vector[i] for i, name in enumerate(members)})
 
 
-def trace(model: ModuleType) -> Trace:
-    """Trace `model` (see `fmus.interface`) with CasADi's scalar symbols."""
+def trace_model(model: ModuleType) -> Trace:
+    """Trace `model` (see `fmus.interface`) with CasADi's scalar symbols. `fmus.check_model.checked_trace` finds its
+    mistakes as well."""
     table = variables(model.VARIABLES)
     input_names, parameter_names = names(table, "input"), names(table, "parameter")
     t, h = casadi.SX.sym("t"), casadi.SX.sym("h")
@@ -44,7 +46,7 @@ def trace(model: ModuleType) -> Trace:
     xs, cs = [x[i] for i in range(len(x0))], [c[i] for i in range(len(c0))]
     y = model.outputs(symbols, t, xs, un, pn)
 
-    def function(name, inputs, output, output_name):
+    def function(name: str, inputs: dict[str, casadi.SX], output: list[casadi.SX], output_name: str) -> casadi.Function:
         result = casadi.vertcat(*output) if output else casadi.SX(0, 1)
         return casadi.Function(name, list(inputs.values()), [result], list(inputs), [output_name])
 

@@ -7,10 +7,11 @@ import numpy as np
 from evidence import fly
 
 from ahv_ctrl_fmu import backstepping_model, neural, neural_model
+from ahv_plant_fmu import model as plant
 from fmus import symbols
-from fmus.interface import names, variables
-from fmus.linearize import NoTrim, linear_loop, vehicle
-from fmus.trace import symbol_namespace, trace
+from fmus.interface import internal_steps, names, variables
+from fmus.linearize import NoTrim, linear_loop, linear_vehicle
+from fmus.trace import symbol_namespace, trace_model
 
 SPEEDS, ALTITUDES = np.linspace(7500, 9500, 9), np.linspace(80000, 100000, 9)  # ft/s, ft
 ENVELOPE = list(product(SPEEDS, ALTITUDES))
@@ -19,13 +20,13 @@ EFFECTS = {"V' by fuel ratio": ("B", 0, 0), "gamma' by theta": ("A", 2, 3), "Q' 
 
 def effects(V, h, scale=None):
     """The derivatives of Assumptions 1 and 2 in level flight: ft/s2, 1/s, 1/s2."""
-    system = vehicle(V, h, scale)
+    system = linear_vehicle(plant, V, h, scale)
     return {name: float(getattr(system, matrix)[i, j]) for name, (matrix, i, j) in EFFECTS.items()}
 
 
 def gamma_zeros(V, h):
     """(unstable pole, right-half-plane zero) of elevator -> flight-path angle, rigid body, 1/s."""
-    system = vehicle(V, h)
+    system = linear_vehicle(plant, V, h)
     zeros = system.zeros("elevator", "gamma")
     return float(system.poles.real.max()), float(zeros.real.max())
 
@@ -33,7 +34,7 @@ def gamma_zeros(V, h):
 def growth(model, gains, V=7700.0, h=85000.0, scale=None):
     """Largest real part (1/s) of the closed loop's poles but the reference filters'; NaN without an equilibrium."""
     try:
-        loop = linear_loop(model, gains, V, h, scale=scale)
+        loop = linear_loop(plant, model, gains, V, h, scale=scale)
     except (NoTrim, np.linalg.LinAlgError):
         return np.nan
     poles = loop.cut().poles
@@ -48,9 +49,9 @@ def differentiator_poles(gains):
 
 def operations(model, step=0.01):
     """Elementary operations of one communication step: CasADi's instructions of the traced functions."""
-    traced = trace(model)
+    traced = trace_model(model)
     internal = next(v.start for v in variables(model.VARIABLES) if v.name == "internal_step")
-    return int(np.ceil(step / internal - 1e-9)) * traced.advance.n_instructions() + traced.outputs.n_instructions()
+    return internal_steps(step, internal) * traced.advance.n_instructions() + traced.outputs.n_instructions()
 
 
 def adapted_states():

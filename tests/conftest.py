@@ -5,7 +5,8 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
-from fmus.build import MODELS, build
+from cosim.vehicle.registry import MODELS
+from fmus.build import build
 
 # No deadline: a busy machine is no failure. In CI the same examples every time; elsewhere new ones are tried.
 settings.register_profile("here", deadline=None)
@@ -16,10 +17,10 @@ settings.load_profile("ci" if os.environ.get("CI") else "here")
 @pytest.fixture(scope="session")
 def python_fmus() -> dict[str, Path]:
     """The Python flavour's files, by model name."""
-    return {name: build(name, "python") for name in MODELS}
+    return {name: build(module, "python") for name, module in MODELS.items()}
 
 
 @pytest.fixture(scope="session")
 def native_fmus() -> dict[str, Path]:
     """The native flavour's files, by model name."""
-    return {name: build(name, "native") for name in MODELS}
+    return {name: build(module, "native") for name, module in MODELS.items()}

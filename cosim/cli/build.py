@@ -18,10 +18,15 @@ def build(
     """Write the FMU files to fmus/dist/FLAVOUR/."""
     from fmus.build import FLAVOURS
     from fmus.build import build as build_one
+    from fmus.check_model import ModelError
 
     for name in models or []:
         if name not in MODELS:
             raise UsageError(f"There is no model {name}; there are {', '.join(MODELS)}.")
-    for kind in FLAVOURS if flavour == "all" else [choice("flavour", flavour, [*FLAVOURS, "all"])]:
-        for name in models or MODELS:
-            print(build_one(name, kind, arm=arm), file=sys.stderr)
+    kinds = FLAVOURS if flavour == "all" else [choice("flavour", flavour, [*FLAVOURS, "all"])]
+    try:
+        for kind in kinds:
+            for name in models or MODELS:
+                print(build_one(MODELS[name], kind, arm=arm), file=sys.stderr)
+    except ModelError as error:
+        raise UsageError(str(error)) from None

@@ -1,9 +1,10 @@
 """The vehicle under a control law about level flight: poles, zeros, margins."""
+from importlib import import_module
 from typing import Any
 
 from ..errors import RunError, UsageError
 from .closed_loop import Values
-from .registry import LAWS
+from .registry import LAWS, PLANTS
 
 
 def linearize(controller: str = "neural", preset: str | None = None, V: float = 7700.0, h: float = 85000.0,
@@ -19,12 +20,12 @@ def linearize(controller: str = "neural", preset: str | None = None, V: float = 
 
     if controller not in LAWS:
         raise UsageError(f"--controller {controller} is not known; there are {', '.join(LAWS)}.")
-    law = LAWS[controller]
-    preset = preset or law.preset or ""
+    preset = preset or LAWS[controller].preset or ""
+    law, plant = import_module(LAWS[controller].module), import_module(PLANTS["ideal"].module)
     given = {name: {k: float(v) for k, v in pairs.items()} for name, pairs in (values or {}).items()}
     try:
-        gains = preset_gains(law.fmu, preset)
-        found = linear_report(law.fmu, {**gains, **given.get("controller", {})}, V, h, step,
+        gains = preset_gains(law, preset)
+        found = linear_report(plant, law, {**gains, **given.get("controller", {})}, V, h, step,
                               dict.fromkeys(GROUPS, scale), given.get("plant", {}))
     except KeyError:
         raise UsageError(f"The {controller} controller has no preset {preset}.") from None

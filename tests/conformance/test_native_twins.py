@@ -4,7 +4,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from native_loop import Loaded, record
 
-from fmus.build import MODELS
+from cosim.vehicle.registry import MODELS
 
 STEP = 0.01
 TABLE = ("name", "valueReference", "causality", "variability", "initial", "type", "start", "min", "max", "nominal",

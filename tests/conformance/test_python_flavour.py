@@ -10,7 +10,8 @@ from flying import running, step
 from fmpy.validation import validate_fmu
 
 from cosim.errors import RunError
-from fmus.build import DIST, MODELS, build
+from cosim.vehicle.registry import MODELS
+from fmus.build import DIST, build
 
 ROOT = Path(__file__).parent.parent.parent
 
@@ -31,7 +32,7 @@ def test_fmpy_finds_nothing_wrong(fmu):
 def test_two_builds_of_the_same_source_are_byte_identical(fmu, tmp_path):
     again = subprocess.run(
         [sys.executable, "-c", "import sys; from pathlib import Path; from fmus.build import build;"
-                               "build(sys.argv[1], 'python', Path(sys.argv[2]))", fmu.stem, tmp_path],
+                               "build(sys.argv[1], 'python', Path(sys.argv[2]))", MODELS[fmu.stem], tmp_path],
         cwd=ROOT, env={"PYTHONHASHSEED": "7", "PATH": ""}, check=True)
     assert again.returncode == 0
     assert (tmp_path / "python" / fmu.name).read_bytes() == fmu.read_bytes()
@@ -83,9 +84,9 @@ def test_two_builds_in_one_process_each_run_their_own_code(tmp_path):
         copytree(ROOT / room, copy / room, ignore=lambda *_: ["dist", "__pycache__", ".cache"])
     law = copy / "ahv_ctrl_fmu" / "neural.py"
     law.write_text(law.read_text().replace('"h_error": u.h - s.h_ref[0]', '"h_error": 42.0'))
-    subprocess.run([sys.executable, "-c", "from fmus.build import build; build('AhvController', 'python')"],
-                   cwd=copy, check=True)
-    original = build("AhvController", "python", tmp_path)
+    subprocess.run([sys.executable, "-c", "import sys; from fmus.build import build; build(sys.argv[1], 'python')",
+                    MODELS["AhvController"]], cwd=copy, check=True)
+    original = build(MODELS["AhvController"], "python", tmp_path)
     altered = copy / DIST.relative_to(ROOT) / "python" / "AhvController.fmu"
     for first, second, values in ((original, altered, (0.0, 42.0)), (altered, original, (42.0, 0.0))):
         with running(first) as a, running(second) as b:

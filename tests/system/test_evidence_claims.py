@@ -7,14 +7,15 @@ import pytest
 from claims import ENVELOPE, MODELS, adapted_states, bounds, differentiator_poles, effects, gamma_zeros, operations
 from evidence import GROUPS
 
-from ahv_ctrl_fmu import neural
+from ahv_ctrl_fmu import neural, neural_model
 from ahv_ctrl_fmu.neural_model import PRESETS
 from ahv_ctrl_fmu.ports import NOMINAL_VEHICLE
+from ahv_plant_fmu import model as plant
 from ahv_plant_fmu.equations import thrust_slope
 from ahv_plant_fmu.trim import level_trim
 from fmus import floats
 from fmus.linear_report import preset_gains
-from fmus.linearize import linear_loop, vehicle
+from fmus.linearize import linear_loop, linear_vehicle
 
 STABLE_PRESETS = ("calibrated", "steady", "coupled")
 
@@ -71,14 +72,14 @@ def test_elevator_to_flight_path_is_non_minimum_phase_over_the_envelope():
     assert zeros.min() > 2.4 and zeros.max() < 4.9 and poles.min() > 1.2 and poles.max() < 2.3
     assert np.all(zeros / poles > 1.8) and np.all(zeros / poles < 2.3)
     assert gamma_zeros(7700, 85000) == pytest.approx((1.693, 3.500), abs=1e-3)
-    assert max(v.real for v in vehicle(7700, 85000).zeros("elevator", "gamma")) < PRESETS["printed"]["mu"]
+    assert max(v.real for v in linear_vehicle(plant, 7700, 85000).zeros("elevator", "gamma")) < PRESETS["printed"]["mu"]
 
 
 def test_the_printed_loop_is_unstable_ours_is_stable_about_the_first_trim():
     for preset, stable in (("printed", False), ("calibrated", True), ("steady", True), ("coupled", True)):
-        loop = linear_loop("AhvController", preset_gains("AhvController", preset), 7700, 85000)
+        loop = linear_loop(plant, neural_model, preset_gains(neural_model, preset), 7700, 85000)
         assert (np.abs(np.linalg.eigvals(loop.cut().A)).max() < 1) == stable
-    printed = linear_loop("AhvController", preset_gains("AhvController", "printed"), 7700, 85000).cut().poles
+    printed = linear_loop(plant, neural_model, preset_gains(neural_model, "printed"), 7700, 85000).cut().poles
     assert printed.real.max() == pytest.approx(3.33, abs=0.01)
 
 

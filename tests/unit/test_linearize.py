@@ -3,21 +3,22 @@ import numpy as np
 import pytest
 from evidence import fly
 
+from ahv_ctrl_fmu import backstepping_model, neural_model
 from ahv_plant_fmu import model as plant
 from ahv_plant_fmu.equations import derivative
 from ahv_plant_fmu.trim import NOMINAL
 from fmus import floats
 from fmus.linear_report import preset_gains
-from fmus.linearize import ACTUATORS, GROUPS, SENSORS, NoTrim, linear_loop, values_of, vehicle, vehicle_trim
+from fmus.linearize import ACTUATORS, GROUPS, SENSORS, NoTrim, linear_loop, linear_vehicle, values_of, vehicle_trim
 from fmus.margins import frequencies, margins, response
 
-LAWS = {"neural": "AhvController", "backstepping": "AhvBackstepping"}
+LAWS = {"neural": neural_model, "backstepping": backstepping_model}
 
 
 def test_the_vehicles_matrices_are_those_of_difference_quotients():
     p = values_of(plant, {"psi_1": -363.5, "psi_2": 328.8})
-    found = vehicle(8200, 90000, psi_1=-363.5, psi_2=328.8)
-    x, u = vehicle_trim(8200, 90000, [1.0] * 5, p)
+    found = linear_vehicle(plant, 8200, 90000, psi_1=-363.5, psi_2=328.8)
+    x, u = vehicle_trim(plant, 8200, 90000, [1.0] * 5, p)
 
     def rate(x, u):
         return np.array(derivative(floats, list(x), *u, NOMINAL, p))
@@ -33,7 +34,7 @@ def test_the_vehicles_matrices_are_those_of_difference_quotients():
 def test_a_scaled_vehicle_has_its_own_trim():
     p = values_of(plant, {})
     for scale in (0.6, 1.4):
-        x, u = vehicle_trim(7700, 85000, [scale] * 5, p)
+        x, u = vehicle_trim(plant, 7700, 85000, [scale] * 5, p)
         groups = type(NOMINAL)(**dict.fromkeys(GROUPS, scale))
         assert np.abs(derivative(floats, list(x), *u, groups, p)).max() < 1e-8
 
@@ -43,7 +44,7 @@ def test_the_closed_loop_answers_a_small_command_as_the_flight_does(law):
     command = 0.01  # ft: small enough for lines to be straight
     flown = [fly("hold", law, values={"scenario": {"h_command_step": step}}, stop=20)["plant.h"]
              for step in (0.0, command)]  # the neural law moves a little by itself, until its estimates have settled
-    loop = linear_loop(LAWS[law], preset_gains(LAWS[law], "calibrated"), 7700, 85000)
+    loop = linear_loop(plant, LAWS[law], preset_gains(LAWS[law], "calibrated"), 7700, 85000)
     system = loop.cut()
     x = np.zeros(len(system.A))
     h = [0.0]
@@ -55,7 +56,7 @@ def test_the_closed_loop_answers_a_small_command_as_the_flight_does(law):
 
 @pytest.mark.parametrize("law", LAWS)
 def test_a_loop_is_stable_just_inside_its_gain_margins_and_unstable_just_outside(law):
-    loop = linear_loop(LAWS[law], preset_gains(LAWS[law], "calibrated"), 7700, 85000)
+    loop = linear_loop(plant, LAWS[law], preset_gains(LAWS[law], "calibrated"), 7700, 85000)
     checked = 0
     for name, found in loop.margins().items():
         place = {"actuator": ACTUATORS.index(name)} if name in ACTUATORS else {"sensor": SENSORS.index(name)}
@@ -88,8 +89,8 @@ def test_margins_of_a_loop_known_by_hand():
 
 
 def test_where_there_is_no_equilibrium_it_is_said():
-    gains = preset_gains("AhvController", "calibrated")
+    gains = preset_gains(neural_model, "calibrated")
     with pytest.raises(NoTrim, match="equilibrium"):
-        linear_loop("AhvController", gains, 7500, 105000)
+        linear_loop(plant, neural_model, gains, 7500, 105000)
     with pytest.raises(ValueError, match="no parameter wings"):
-        vehicle(7700, 85000, wings=2.0)
+        linear_vehicle(plant, 7700, 85000, wings=2.0)
