@@ -12,7 +12,7 @@ from ..master.algorithms import method
 from ..master.flight import tick_count
 from ..master.loaded import open_files
 from ..master.system import System, Value
-from ..master.wiring import checked_connections, picked
+from ..master.wiring import checked_connections, recorded_names
 from ..vehicle import scenarios
 from ..vehicle.closed_loop import FLAVOURS, PLANTS, planned
 from ..vehicle.scenarios import Scenario
@@ -159,10 +159,10 @@ def check_values(source: Source, campaign: Campaign, law: Law, number: int, syst
 def recorded(source: Source, campaign: Campaign, system: System, files: Fmus) -> list[str]:
     """What is recorded of a law: what the metrics need, and what the file asks for where this law has it."""
     known = dict(files)
-    chosen = picked(system, known, None) & set(NEEDED)
+    chosen = recorded_names(system, known, None) & set(NEEDED)
     for pattern in campaign.signals.record:
         try:
-            chosen |= picked(system, known, [pattern])
+            chosen |= recorded_names(system, known, [pattern])
         except UsageError:
             if len(campaign.controllers) == 1:
                 source.fail(("signals", "record"), f"{pattern} fits no numeric variable")
