@@ -1,4 +1,4 @@
-"""From a campaign file and the FMUs to what is flown; everything that can be checked is checked here."""
+"""From a campaign file and the FMUs to what is flown. All checks that need no flight are made here."""
 import hashlib
 import json
 import math
@@ -16,11 +16,11 @@ from ..master.wiring import checked_connections, recorded_names
 from ..vehicle import scenarios
 from ..vehicle.closed_loop import FLAVOURS, PLANTS, planned
 from ..vehicle.scenarios import Scenario
+from ..yaml_file import Source
 from .criteria import METRICS, metrics_of
 from .dispersions import Fmus, all_draws, all_mixings, checked, constants, with_values
 from .sampling import Draw, Sampler
 from .spec import Campaign, Law
-from .yaml_file import Source
 
 NEEDED = ["plant.h", "plant.V", "plant.h_true", "plant.V_true", "controller.h_reference", "controller.V_reference",
           "controller.elevator", "controller.fuel_ratio", "controller.phi_hat_1", "controller.phi_hat_2"]
@@ -47,6 +47,7 @@ class Job:
 
 @dataclass(frozen=True)
 class Plan:
+    """A campaign that has been checked; times in s."""
     path: Path
     campaign: Campaign
     scenario: Scenario
@@ -59,19 +60,22 @@ class Plan:
 
     @property
     def laws(self) -> list[str]:
+        """The names of the laws, in the order of the file."""
         return list(self.job.systems)
 
     @property
     def draws(self) -> dict[str, tuple[Draw, ...]]:
+        """The draws of each law."""
         return self.job.draws
 
     @property
     def scenario_word(self) -> str:
-        """As `ahv run` takes it."""
+        """The scenario as `ahv run` takes it."""
         return beside(self.path, self.campaign.scenario)
 
     @property
     def worst_by(self) -> str:
+        """The metric by which the report ranks runs."""
         return self.campaign.worst_by or next(iter(n for text in self.campaign.success.values()
                                                    for n in metrics_of(text)), "altitude_error_ft.max_abs")
 
@@ -82,12 +86,17 @@ class Plan:
 
 
 def load(path: Path) -> Plan:
-    """Raises UsageError, with line and field, for the first thing in the file that cannot be."""
-    source = Source(path)
-    return make(source.campaign(), source)
+    """The campaign in the file at `path`. Raises UsageError, with line and field, for the first thing that is wrong."""
+    source = Source(path, "campaign file")
+    return make(source.load(Campaign), source)
 
 
 def make(campaign: Campaign, source: Source) -> Plan:
+    """The plan of a campaign.
+
+    Raises UsageError, with line and field, for what does not fit the FMUs.
+
+    """
     for field, allowed in (("flavour", FLAVOURS), ("plant", tuple(PLANTS)), ("worst_by", (None, *METRICS))):
         if (given := getattr(campaign, field)) not in allowed:
             source.fail((field,), f"there is no {given}; there are {', '.join(filter(None, allowed))}")
@@ -127,21 +136,24 @@ def make(campaign: Campaign, source: Source) -> Plan:
 
 
 def beside(path: Path, scenario: str) -> str:
-    """A scenario file is named from where the campaign file is."""
+    """`scenario`, or the path of the file of that name beside the campaign file at `path`."""
     file = path.parent / scenario
     return str(file.resolve()) if scenario not in scenarios.BUILT_IN and file.is_file() else scenario
 
 
 def presets(campaign: Campaign, scenario: Scenario, law: Law) -> dict[str, str]:
+    """The preset of each component: the law's, over the campaign's, over the scenario's."""
     return {**scenario.presets, **campaign.presets, "controller": law.preset}
 
 
 def system_of(campaign: Campaign, scenario: Scenario, law: Law) -> System:
+    """The closed loop of a law. Raises UsageError for a name that is not known."""
     words = [f"{name}={value}" for name, value in {**campaign.set, **law.set}.items()]
     return planned(scenario, law.law, presets(campaign, scenario, law), campaign.flavour, words, campaign.plant)
 
 
 def check_values(source: Source, campaign: Campaign, law: Law, number: int, system: System, files: Fmus) -> None:
+    """Raises UsageError, with line and field, for values that the FMUs do not allow."""
     for name, value in campaign.set.items():
         with source.at("set", name):
             checked(files, name, value)
