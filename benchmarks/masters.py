@@ -57,7 +57,7 @@ def ours(ssp: Path, step: float, ticks: int) -> dict[str, float]:
                 return float(np.median(found))
 
             real = chunk()
-            master.wiring.groups[:, P.CALL], master.wiring.parts[:, P.DO_STEP] = nothing, no_step
+            master.wiring.groups[:, P.CALL], master.wiring.components[:, P.DO_STEP] = nothing, no_step
             empty = chunk()
             master.close()
     return {"us": 1e6 * flight.wall_s / ticks, "share_in_fmus": 1 - empty / real}

@@ -20,6 +20,7 @@ FAILURE, SUCCESS = "#c0392b", "#2471a3"
 
 
 def figure(height: float, rows: int = 1, columns: int = 1, **options: Any) -> tuple[Figure, np.ndarray]:
+    """A figure of WIDTH by `height` inches with its axes, shape (rows, columns)."""
     made = Figure(figsize=(WIDTH, height), layout="constrained")
     FigureCanvasAgg(made)
     return made, made.subplots(rows, columns, squeeze=False, **options)
@@ -32,6 +33,7 @@ def wide(values: np.ndarray) -> bool:
 
 
 def probability(results: list[Results]) -> Figure:
+    """Each law's probability of success with its interval."""
     made, axes = figure(0.8 + 0.5 * len(results))
     axis = axes[0, 0]
     for i, r in enumerate(results):
@@ -85,6 +87,7 @@ def padded(column: pa.ChunkedArray) -> np.ndarray:
 
 
 def histograms(results: list[Results], names: tuple[str, ...] = HISTOGRAMS) -> Figure:
+    """How often each value of four metrics occurs."""
     made, axes = figure(6.0, 2, 2)
     for axis, name in zip(axes.flat, names):
         columns = [r.columns[name][np.isfinite(r.columns[name])] for r in results]

@@ -83,6 +83,7 @@ def names(node: ast.AST, text: str) -> Iterator[str]:
 
 
 def value(node: ast.AST, metrics: Mapping[str, float]) -> Any:
+    """The value of an expression's tree; comparisons are bool, everything else float."""
     word = dotted(node)
     if word is not None:
         return metrics[word]
@@ -117,10 +118,12 @@ def holds(text: str, metrics: Mapping[str, float]) -> bool:
 
 
 def metrics_of(text: str) -> list[str]:
+    """The metrics that the expression uses, in its order. Raises ValueError as `parse` does."""
     return list(names(parse(text), text))
 
 
 def checked(text: str) -> str:
+    """`text` itself. Raises ValueError as `parse` does."""
     parse(text)
     return text
 

@@ -1,4 +1,4 @@
-"""What is uncertain, checked against the FMUs: the file's dispersions as a list of draws."""
+"""The campaign file's dispersions, checked against the FMUs, as a list of draws."""
 import math
 from collections.abc import Mapping
 from dataclasses import replace
@@ -6,16 +6,16 @@ from dataclasses import replace
 from ..errors import UsageError
 from ..master.fmu import FmuFile
 from ..master.system import System, Value
+from ..yaml_file import Source
 from .sampling import Draw, Mixing, mixing
 from .spec import Campaign, Choice, Dispersion, Sinusoid
-from .yaml_file import Source
 
 Fmus = Mapping[str, FmuFile]  # component -> its file
 SINE = {"amplitude": "_sine", "period": "_sine_omega", "phase": "_sine_phase"}
 
 
 def checked(files: Fmus, name: str, value: Value) -> Value:
-    """`FmuFile.checked` of a component.variable."""
+    """`value` in the type of the variable component.variable. Raises UsageError if it may not be set to that."""
     component, _, variable = name.partition(".")
     if component not in files:
         raise UsageError(f"There is no component {component}; there are {', '.join(files)}.")
@@ -54,6 +54,7 @@ def all_draws(source: Source, campaign: Campaign, system: System, files: Fmus) -
 
 
 def draws_of(name: str, dispersion: Dispersion, system: System, files: Fmus) -> list[Draw]:
+    """The draws of one dispersion, up to three of a sinusoid. Raises UsageError for a name that does not fit."""
     if isinstance(dispersion, Sinusoid):
         if on_signal(files, name, "_sine_omega") is None:
             signals = ", ".join(f"scenario.{n}" for n in files["scenario"].names("output"))
@@ -107,7 +108,7 @@ def with_values(system: System, values: Mapping[str, Value]) -> System:
 
 
 def all_mixings(source: Source, campaign: Campaign, draws: tuple[Draw, ...]) -> tuple[Mixing, ...]:
-    """Raises UsageError for groups that overlap, name what is not drawn, or cannot be."""
+    """The correlated groups. Raises UsageError for groups that overlap, names that are not drawn and bad matrices."""
     names = [d.name for d in draws]
     found: list[Mixing] = []
     for i, group in enumerate(campaign.correlations):

@@ -1,4 +1,4 @@
-"""The client: tasks to a Dask cluster, outcomes to the store, a bounded number on their way at a time."""
+"""The client: sends tasks to a Dask cluster, a bounded number at a time, and puts the outcomes into the store."""
 import logging
 import os
 import tempfile
@@ -17,7 +17,7 @@ from .plan import Plan
 from .store import Store
 from .worker import Outcome, SendFmu, SendJob, fly_batch, plugin_name, requests
 
-AHEAD = 4            # tasks on their way for each thread of the cluster
+AHEAD = 4            # tasks submitted at a time for each thread of the cluster
 WAIT_S = 60.0        # for a first worker
 CONTINUE = "what was flown until then is kept, and --resume continues"
 GONE = f"The Dask scheduler is gone; {CONTINUE}."
@@ -26,9 +26,9 @@ Progress = Callable[[int, int], None]  # rows, successes that were added
 
 @contextmanager
 def connected(scheduler: str | None, workers: int | None) -> Iterator[Client]:
-    """A client of the cluster at `scheduler`, or of one on this machine that goes with it.
+    """A client of the cluster at `scheduler`, or of a temporary one on this machine.
 
-    Raises RunError if there is no cluster, or nobody in it to work.
+    Raises RunError if there is no cluster, or if it has no workers.
     """
     logging.disable(logging.CRITICAL)  # what matters is said by this program
     if scheduler is None:
@@ -52,7 +52,7 @@ def connected(scheduler: str | None, workers: int | None) -> Iterator[Client]:
 
 
 def send(client: Client, plan: Plan) -> None:
-    """The job, and each FMU file, to every worker of now and later; no FMU that the cluster has from before."""
+    """Send the job and the FMU files to all workers, also to those that join later; not files that the cluster has."""
     known = client.run_on_scheduler(lambda dask_scheduler: list(dask_scheduler.worker_plugins))
     for stored, path in plan.fmus.items():
         if plugin_name(stored) not in known:
@@ -62,7 +62,7 @@ def send(client: Client, plan: Plan) -> None:
 
 @contextmanager
 def asking() -> Iterator[None]:
-    """Something of the cluster, which may be lost."""
+    """Around a request to the cluster. Raises RunError if the cluster is lost."""
     try:
         yield
     except (OSError, CancelledError, TimeoutError) as error:
@@ -70,7 +70,7 @@ def asking() -> Iterator[None]:
 
 
 class Batch:
-    """A task on its way; if its worker dies again and again it is flown run by run."""
+    """A submitted task: runs first ... last - 1 of each law. If workers die of it, its runs are flown one by one."""
 
     def __init__(self, plan: Plan, first: int, last: int):
         self.first, self.last = first, last
@@ -79,10 +79,12 @@ class Batch:
 
     @property
     def complete(self) -> bool:
+        """Whether all outcomes are there."""
         return len(self.outcomes) == self.size
 
     @property
     def rows(self) -> list[Outcome]:
+        """The outcomes in order."""
         return [self.outcomes[i] for i in range(self.size)]
 
 
@@ -113,13 +115,14 @@ class Engine:
             if not self.flying:
                 if not self.suspects:
                     return
-                batch, position = self.suspects.popleft()  # alone, so that nobody else can be the reason
+                batch, position = self.suspects.popleft()  # alone, so that no other run can be the reason for a crash
                 self.submit(batch, [position], alone=True)
             with asking():
                 future = next(self.queue)
             self.take(future)
 
     def submit(self, batch: Batch, positions: list[int], alone: bool = False) -> None:
+        """Submit the runs of a batch at `positions`; `alone` if a worker died of the run before."""
         number = next(self.numbers)
         future = self.client.submit(fly_batch, self.plan.job.key, batch.first, batch.last,
                                     None if len(positions) == batch.size else positions, pure=False,
@@ -128,6 +131,7 @@ class Engine:
         self.queue.add(future)
 
     def take(self, future: Future) -> None:
+        """Use the result of a task. Raises RunError if the cluster is lost or cannot fly."""
         batch, positions = self.flying.pop(future)
         if future.status == "finished":
             with asking():

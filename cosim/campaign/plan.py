@@ -1,4 +1,4 @@
-"""From a campaign file and the FMUs to what is flown; everything that can be checked is checked here."""
+"""From a campaign file and the FMUs to what is flown. All checks that need no flight are made here."""
 import hashlib
 import json
 import math
@@ -12,16 +12,16 @@ from ..master.algorithms import method
 from ..master.flight import tick_count
 from ..master.loaded import open_files
 from ..master.system import System, Value
-from ..master.wiring import checked_connections, picked
+from ..master.wiring import checked_connections, recorded_names
 from ..vehicle import scenarios
 from ..vehicle.closed_loop import FLAVOURS, ClosedLoop, assignments, closed_loop, names_file
 from ..vehicle.registry import PLANTS
 from ..vehicle.scenarios import Scenario
+from ..yaml_file import Source
 from .criteria import METRICS, metrics_of
 from .dispersions import Fmus, all_draws, all_mixings, checked, constants, with_values
 from .sampling import Draw, Sampler
 from .spec import Campaign, Law
-from .yaml_file import Source
 
 COMMANDS = {"scenario.h_command", "scenario.V_command"}  # from which the reference is filtered where no law shows it
 NEEDED = ["plant.h", "plant.V", "plant.h_true", "plant.V_true", "controller.h_reference", "controller.V_reference",
@@ -49,6 +49,7 @@ class Job:
 
 @dataclass(frozen=True)
 class Plan:
+    """A campaign that has been checked; times in s."""
     path: Path
     campaign: Campaign
     scenario: Scenario
@@ -62,19 +63,22 @@ class Plan:
 
     @property
     def laws(self) -> list[str]:
+        """The names of the laws, in the order of the file."""
         return list(self.job.systems)
 
     @property
     def draws(self) -> dict[str, tuple[Draw, ...]]:
+        """The draws of each law."""
         return self.job.draws
 
     @property
     def scenario_word(self) -> str:
-        """As `ahv run` takes it."""
+        """The scenario as `ahv run` takes it."""
         return beside(self.path, self.campaign.scenario)
 
     @property
     def worst_by(self) -> str:
+        """The metric by which the report ranks runs."""
         return self.campaign.worst_by or next(iter(n for text in self.campaign.success.values()
                                                    for n in metrics_of(text)), "altitude_error_ft.max_abs")
 
@@ -85,12 +89,13 @@ class Plan:
 
 
 def load(path: Path) -> Plan:
-    """Raises UsageError, with line and field, for the first thing in the file that cannot be."""
-    source = Source(path)
-    return make(source.campaign(), source)
+    """The campaign in the file at `path`. Raises UsageError, with line and field, for the first thing that is wrong."""
+    source = Source(path, "campaign file")
+    return make(source.load(Campaign), source)
 
 
 def make(campaign: Campaign, source: Source) -> Plan:
+    """The plan of a campaign. Raises UsageError, with line and field, for what does not fit the FMUs."""
     for field, allowed in (("flavour", FLAVOURS), ("worst_by", (None, *METRICS))):
         if (given := getattr(campaign, field)) not in allowed:
             source.fail((field,), f"there is no {given}; there are {', '.join(filter(None, allowed))}")
@@ -133,18 +138,20 @@ def make(campaign: Campaign, source: Source) -> Plan:
 
 
 def beside(path: Path, scenario: str) -> str:
-    """A scenario file is named from where the campaign file is."""
+    """`scenario`, or the path of the file of that name beside the campaign file at `path`."""
     file = path.parent / scenario
     return str(file.resolve()) if scenario not in scenarios.BUILT_IN and file.is_file() else scenario
 
 
 def loop_of(campaign: Campaign, scenario: Scenario, law: Law, folder: Path) -> ClosedLoop:
+    """The closed loop of a law. Raises UsageError for a name that is not known."""
     presets = {**campaign.presets, **({"controller": law.preset} if law.preset else {})}
     values = assignments([f"{name}={value}" for name, value in {**campaign.set, **law.set}.items()])
     return closed_loop(scenario, law.law, campaign.plant, campaign.flavour, presets, values, folder=folder)
 
 
 def check_values(source: Source, campaign: Campaign, law: Law, number: int, system: System, files: Fmus) -> None:
+    """Raises UsageError, with line and field, for values that the FMUs do not allow."""
     for name, value in campaign.set.items():
         with source.at("set", name):
             checked(files, name, value)
@@ -162,13 +169,13 @@ def check_values(source: Source, campaign: Campaign, law: Law, number: int, syst
 def recorded(source: Source, campaign: Campaign, system: System, files: Fmus) -> list[str]:
     """What is recorded of a law: what the metrics need, and what the file asks for where this law has it."""
     known = dict(files)
-    shown = picked(system, known, None)
+    shown = recorded_names(system, known, None)
     chosen = shown & set(NEEDED)
     if "controller.h_reference" not in chosen or "controller.V_reference" not in chosen:
         chosen |= shown & COMMANDS
     for pattern in campaign.signals.record:
         try:
-            chosen |= picked(system, known, [pattern])
+            chosen |= recorded_names(system, known, [pattern])
         except UsageError:
             if len(campaign.controllers) == 1:
                 source.fail(("signals", "record"), f"{pattern} fits no numeric variable")

@@ -1,4 +1,4 @@
-"""What a terminal shows while a campaign runs, on stderr; nothing where stderr is none."""
+"""A progress bar on stderr while a campaign runs, if stderr is a terminal."""
 import sys
 import time
 from collections.abc import Iterator
@@ -9,7 +9,7 @@ from .engine import Progress
 
 @contextmanager
 def shown(title: str, total: int, rows: int, successes: int, dashboard: str) -> Iterator[Progress]:
-    """A progress function; `rows` and `successes` are there from before."""
+    """A function that is told of (rows, successes) that were added to the `rows` and `successes` of before."""
     if not sys.stderr.isatty():
         yield lambda more, good: None
         return
@@ -20,14 +20,14 @@ def shown(title: str, total: int, rows: int, successes: int, dashboard: str) -> 
     if dashboard:
         console.print(f"Dask dashboard: {dashboard}", highlight=False)
     began, before = time.monotonic(), rows
-    with Progress(TextColumn(title), BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[said]}"),
+    with Progress(TextColumn(title), BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[rates]}"),
                   TimeRemainingColumn(), console=console) as bar:
-        task = bar.add_task(title, total=total, completed=rows, said="")
+        task = bar.add_task(title, total=total, completed=rows, rates="")
 
         def update(more: int, good: int) -> None:
             nonlocal rows, successes
             rows, successes = rows + more, successes + good
             rate = (rows - before) / max(time.monotonic() - began, 1e-9)
-            bar.update(task, completed=rows, said=f"{rate:.1f} runs/s, {100 * successes / rows:.1f} % successes")
+            bar.update(task, completed=rows, rates=f"{rate:.1f} runs/s, {100 * successes / rows:.1f} % successes")
 
         yield update

@@ -1,4 +1,4 @@
-"""The report: report.html with everything inside, figures/*.png and report.json."""
+"""The report: report.html (one file, figures included), figures/*.png and report.json."""
 import base64
 import json
 from collections.abc import Iterable
@@ -60,6 +60,7 @@ def write(store: Store) -> dict[str, Any]:
 
 
 def page(plan: Plan, summary: dict[str, Any], results: list[Results], pictures: dict[str, bytes]) -> str:
+    """report.html."""
     campaign = plan.campaign
     names = {"envelope": min(campaign.runs, 2000), "metric": plan.worst_by, "points": charts.POINTS}
     parts = [f"<h1>Campaign {escape(campaign.name)}</h1>", opening(plan), sides(summary)]
@@ -76,6 +77,7 @@ def page(plan: Plan, summary: dict[str, Any], results: list[Results], pictures: 
 
 
 def opening(plan: Plan) -> str:
+    """What was flown, what counts as a success, and what is uncertain."""
     campaign = plan.campaign
     success = listed(f"{escape(name)}: <code>{escape(text)}</code>" for name, text in campaign.success.items())
     rows = [[d.name if d.targets == (d.name,) else f"{d.name} (also {', '.join(d.targets[1:])})",
@@ -92,10 +94,12 @@ def opening(plan: Plan) -> str:
 
 
 def listed(items: Iterable[str]) -> str:
+    """An HTML list; `items` are HTML."""
     return f"<ul>{''.join(f'<li>{item}</li>' for item in items)}</ul>"
 
 
 def words(given: dict[str, Any]) -> str:
+    """The fields of a distribution or a correlation in a line."""
     return ", ".join(str(v) if k == "distribution" else f"{k} {v:g}" if isinstance(v, float) else f"{k} {v}"
                      for k, v in given.items())
 
@@ -110,7 +114,7 @@ def table(head: list[str], rows: list[list[Any]], kind: str = "") -> str:
 
 
 def sides(summary: dict[str, Any]) -> str:
-    """The laws beside each other."""
+    """A table of the laws side by side."""
     found = summary["controllers"]
     statuses = sorted({s for law in found.values() for s in law["statuses"]})
     rows: list[list[Any]] = [
@@ -127,15 +131,17 @@ def sides(summary: dict[str, Any]) -> str:
 
 
 def words_of(counts: dict[str, int]) -> str:
+    """Counts in a line."""
     return ", ".join(f"{name} {count:,}" for name, count in counts.items())
 
 
 def worst(plan: Plan, r: Results) -> str:
+    """The ten worst runs of a law, each with the command that repeats it."""
     rows = []
     for row in r.worst(plan.worst_by):
-        said = f"{row['status']}: {row['message']}" if row["message"] else row["status"]
-        rows.append([str(row["run"]), said, "" if row[plan.worst_by] is None else float(row[plan.worst_by]),
+        ended = f"{row['status']}: {row['message']}" if row["message"] else row["status"]
+        rows.append([str(row["run"]), ended, "" if row[plan.worst_by] is None else float(row[plan.worst_by]),
                      f"<pre>{escape(command(plan, row))}</pre>"])
     return (f"<h2>The worst ten, {escape(r.law)}</h2><p class=note>What did not reach the end, the earliest first; "
-            f"then by {escape(plan.worst_by)}. Each command flies that very run again.</p>"
-            + table(["run", "ended", plan.worst_by, "again"], rows, "commands"))
+            f"then by {escape(plan.worst_by)}. Each command repeats its run.</p>"
+            + table(["run", "ended", plan.worst_by, "command"], rows, "commands"))

@@ -1,4 +1,4 @@
-"""The command line that flies one run of a campaign by itself."""
+"""The command line that repeats one run of a campaign by itself."""
 import shlex
 from typing import Any
 
@@ -7,7 +7,7 @@ from .plan import Plan
 
 
 def command(plan: Plan, row: dict[str, Any]) -> str:
-    """`row` is one of runs.parquet. Numbers are written out in full, so the run is the same to the last bit."""
+    """The `ahv run` command of `row`, one of runs.parquet, with numbers in full: it gives the same bits."""
     campaign, folder = plan.campaign, plan.path.parent
     law = next(law for law in campaign.controllers if law.name == row["controller"])
     drawn = {target: row[d.name] for d in plan.draws[law.name] for target in d.targets}

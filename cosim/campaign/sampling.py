@@ -47,6 +47,7 @@ class Draw:
 
 
 def quantile(d: Scalar, u: float) -> Value:
+    """The value of a distribution at the probability `u`."""
     from scipy.special import ndtr, ndtri
 
     if isinstance(d, Uniform):
@@ -131,7 +132,7 @@ class Sampler:
         return u
 
 
-def picked(seed: int, k: int, share: float) -> bool:
+def keeps_signals(seed: int, k: int, share: float) -> bool:
     """Whether run k is one of the share whose signals are kept."""
     return share > 0 and bool(stream(seed, k, SHARE).random() < share)
 

@@ -11,10 +11,12 @@ Name = Annotated[str, Field(pattern=r"^\w+\.[^\s=]+$")]  # component.variable
 
 
 class Strict(BaseModel):
+    """A model that refuses fields it does not know."""
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
 class Uniform(Strict):
+    """Between `low` and `high`."""
     distribution: Literal["uniform"]
     low: Finite
     high: Finite
@@ -49,6 +51,7 @@ class LogNormal(Strict):
 
 
 class Choice(Strict):
+    """One of `values`, equally likely or by `weights`."""
     distribution: Literal["choice"]
     values: list[bool | Finite | str] = Field(min_length=1)
     weights: list[Annotated[float, Field(ge=0, allow_inf_nan=False)]] | None = None
@@ -81,23 +84,26 @@ class Sinusoid(Strict):
 
 
 class Options(Strict):
+    """What every dispersed distribution may also say."""
     relative: bool = Field(default=False, description="the draw multiplies the nominal value")
     also: list[Name] = Field(default=[], description="variables that are set to the same value")
 
 
 class DispersedUniform(Uniform, Options):
-    pass
+    """A uniform dispersion."""
 
 
 class DispersedNormal(Normal, Options):
-    pass
+    """A normal dispersion."""
 
 
 class DispersedLogNormal(LogNormal, Options):
-    pass
+    """A log-normal dispersion."""
 
 
 class DispersedChoice(Choice, Options):
+    """A dispersion with given values."""
+
     @model_validator(mode="after")
     def numbers(self) -> "DispersedChoice":
         if self.relative and not all(isinstance(v, float) for v in self.values):

@@ -1,4 +1,4 @@
-"""What a review board asks of the rows: probabilities with intervals, and what drives the failures."""
+"""Statistics of the rows: probabilities with confidence intervals, and which draws correlate with failure."""
 from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
@@ -63,19 +63,23 @@ class Results:
 
     @classmethod
     def of(cls, law: str, table: pa.Table) -> "Results":
+        """The rows of `law` in a table of all laws."""
         mine = table.filter(pa.compute.equal(table["controller"], law))
         return cls(law, {f.name: mine[f.name].to_numpy() for f in mine.schema
                          if pa.types.is_floating(f.type) or pa.types.is_boolean(f.type)}, mine)
 
     @property
     def runs(self) -> int:
+        """How many runs were flown."""
         return int(self.table.num_rows)
 
     @property
     def successes(self) -> int:
+        """How many of them were successes."""
         return int(self.columns["success"].sum())
 
     def statuses(self) -> dict[str, int]:
+        """How many runs ended with each status."""
         counts = self.table["status"].value_counts().to_pylist()
         return {c["values"]: c["counts"] for c in sorted(counts, key=lambda c: str(c["values"]))}
 
@@ -95,6 +99,7 @@ class Results:
         return list(self.table.take(order[:count]).to_pylist())
 
     def summary(self, draws: list[str], metric: str) -> dict[str, Any]:
+        """The numbers of report.json for this law."""
         low, high = wilson(self.successes, self.runs)
         quantiles = {}
         for name in METRICS:

@@ -1,11 +1,11 @@
-"""Where the results go: Parquet parts as tasks come back, one file of each kind at the end.
+"""A campaign's folder: Parquet parts as tasks come back, one file of each kind at the end.
 
     campaign.json    what determines the rows         runs.parquet      one row a run and law
     campaign.yaml    the file                         signals.parquet   of the runs whose signals are kept
     parts/           until all is there               errors.parquet    errors over time, for the envelopes
 
-A task's part of runs.parquet is written last, and put in its place in one go: what is there is complete. The final
-files are the parts in order, so they do not tell who flew what, or when.
+A task's part of runs.parquet is written last, and appears as a whole: where it exists, the task is complete. The final
+files are the parts in order, so they do not depend on which worker flew what, or when.
 """
 import fcntl
 import json
@@ -20,6 +20,7 @@ import pyarrow.parquet as pq
 
 from ..errors import UsageError
 from ..master.results import prepare_folder
+from ..master.whole_file import whole
 from .criteria import METRICS
 from .plan import Plan
 from .worker import Outcome
@@ -30,6 +31,7 @@ ARROW: dict[type, pa.DataType] = {float: pa.float64(), bool: pa.bool_(), str: pa
 
 
 def schemas(plan: Plan) -> dict[str, pa.Schema]:
+    """The columns of each kind of file."""
     key: list[tuple[str, pa.DataType]] = [("run", pa.int64()), ("controller", pa.string())]
     draws = [(d.name, ARROW.get(type(d.extremes()[0]), pa.float64())) for d in plan.draws[plan.laws[0]]]
     recorded = sorted({name for names in plan.job.record.values() for name in names})
@@ -52,17 +54,23 @@ class Store:
         self.parts = folder / "parts"
 
     def file(self, kind: str) -> Path:
+        """The final file of a kind."""
         return self.folder / f"{kind}.parquet"
 
     def part(self, kind: str, first: int) -> Path:
+        """The part of a kind that the task with the first run `first` writes."""
         return self.parts / f"{kind}-{first:010d}.parquet"
 
     @property
     def complete(self) -> bool:
+        """Whether the campaign is done."""
         return self.file("runs").exists()
 
     def prepare(self, resume: bool, text: str) -> None:
-        """Raises UsageError if the folder has a campaign already that is not to be, or cannot be, continued."""
+        """Make the folder ready; `text` is the campaign file's.
+
+        Raises UsageError if it has a campaign already, unless `resume` is set and that campaign is the same.
+        """
         prepare_folder(self.folder)
         head = self.folder / "campaign.json"
         if head.exists() and (self.complete or any(self.parts.glob("runs-*"))):
@@ -77,13 +85,12 @@ class Store:
         if not self.complete:
             self.parts.mkdir(exist_ok=True)
         (self.folder / "campaign.yaml").write_text(text)
-        half = self.folder / ".campaign.json"
-        half.write_text(json.dumps(self.plan.fingerprint, indent=2) + "\n")
-        half.replace(head)
+        with whole(head) as partial:
+            partial.write_text(json.dumps(self.plan.fingerprint, indent=2) + "\n")
 
     @contextmanager
     def locked(self) -> Iterator[None]:
-        """Nobody else writes here meanwhile. Raises UsageError if somebody does."""
+        """Keep other processes from writing here. Raises UsageError if one does already."""
         prepare_folder(self.folder)
         with open(self.folder / ".lock", "w") as lock:
             try:
@@ -93,6 +100,7 @@ class Store:
             yield
 
     def has(self, first: int) -> bool:
+        """Whether the task with the first run `first` is done."""
         return self.part("runs", first).exists()
 
     def add(self, first: int, rows: list[Outcome]) -> None:
@@ -104,12 +112,13 @@ class Store:
             self.write(kind, first, table)
 
     def write(self, kind: str, first: int, table: pa.Table) -> None:
+        """Write a part, unless it is empty; runs always."""
         if table.num_rows or kind == "runs":
-            half = self.parts / f".{kind}"
-            pq.write_table(table, half)
-            half.replace(self.part(kind, first))
+            with whole(self.part(kind, first)) as partial:
+                pq.write_table(table, partial)
 
     def line(self, outcome: Outcome) -> dict[str, Any]:
+        """An outcome as a row of runs.parquet."""
         request = outcome.request
         return {"run": request.run, "controller": request.law, "seed": self.plan.campaign.seed, **request.drawn,
                 "status": outcome.status, "message": outcome.message, "success": outcome.succeeded,
@@ -117,6 +126,7 @@ class Store:
                 "ticks": outcome.ticks, "departed_at_s": outcome.departed_at_s, **outcome.metrics}
 
     def signals(self, rows: list[Outcome]) -> pa.Table:
+        """The signals that outcomes kept, as rows of signals.parquet."""
         schema, tables = self.schemas["signals"], []
         for outcome in rows:
             if outcome.signals is None:
@@ -130,13 +140,11 @@ class Store:
         return pa.concat_tables(tables) if tables else schema.empty_table()
 
     def finish(self) -> None:
-        """The parts as one file of each kind, runs.parquet last; then without the parts."""
+        """Write the parts as one file of each kind, runs.parquet last, and remove them."""
         for kind in KINDS:
-            half = self.folder / f".{kind}.parquet"
-            with pq.ParquetWriter(half, self.schemas[kind]) as writer:
+            with whole(self.file(kind)) as partial, pq.ParquetWriter(partial, self.schemas[kind]) as writer:
                 for table in self.gathered(kind):
                     writer.write_table(table)
-            half.replace(self.file(kind))
         shutil.rmtree(self.parts, ignore_errors=True)
 
     def gathered(self, kind: str) -> Iterator[pa.Table]:
@@ -162,5 +170,6 @@ class Store:
 
 
 def errors_line(outcome: Outcome) -> dict[str, Any] | None:
+    """An outcome as a row of errors.parquet; None if its errors were not kept."""
     request = outcome.request
     return None if outcome.errors is None else {"run": request.run, "controller": request.law, **outcome.errors}

@@ -1,4 +1,4 @@
-"""What happens on a Dask worker: FMU files kept by content hash, systems kept loaded, batches of runs flown."""
+"""What a Dask worker does: it keeps FMU files by their hash, keeps systems loaded, and flies batches of runs."""
 import faulthandler
 import hashlib
 import os
@@ -20,11 +20,12 @@ from ..master.algorithms import method
 from ..master.flight import Flight, fly_loaded
 from ..master.loaded import Master, open_files
 from ..master.system import System, Value
+from ..master.whole_file import whole
 from ..vehicle.metrics import metrics, tracking_errors
 from .criteria import METRICS, holds
 from .dispersions import with_values
 from .plan import Job
-from .sampling import draw, picked
+from .sampling import draw, keeps_signals
 
 ENVELOPE_RUNS, ENVELOPE_POINTS = 2000, 100  # the first runs, whose errors over time are kept
 PATIENCE_S = 5.0  # a call that outlasts the timeout by this ends the worker
@@ -56,6 +57,7 @@ class Outcome:
 
     @property
     def succeeded(self) -> bool:
+        """Whether the run reached the end and met every criterion."""
         return self.status == "finished" and all(self.success.values())
 
 
@@ -63,7 +65,7 @@ def requests(job: Job, first: int, last: int) -> Iterator[Request]:
     """Runs first ... last - 1, of each law."""
     for k in range(first, last):
         u = job.sampler.uniforms(k)
-        keep = picked(job.sampler.seed, k, job.keep_share)
+        keep = keeps_signals(job.sampler.seed, k, job.keep_share)
         for law in job.systems:
             drawn = draw(job.draws[law], u)
             values = {target: drawn[d.name] for d in job.draws[law] for target in d.targets}
@@ -71,53 +73,56 @@ def requests(job: Job, first: int, last: int) -> Iterator[Request]:
 
 
 class SendJob(WorkerPlugin):
-    """Dask hands this to every worker once, also to those that come later: tasks are small, since a scheduler
-    (2026.8) keeps what they carry."""
+    """Dask gives the job to every worker once, also to those that join later. It is not part of the tasks because a
+    scheduler (2026.8) keeps what they carry."""
 
     def __init__(self, job: Job):
         self.job = job
         self.name = f"ahv-job-{job.key}"
 
     def setup(self, worker: Any) -> None:
+        """Keep the job in the worker's process."""
         JOBS[self.job.key] = self.job
 
 
 class SendFmu(WorkerPlugin):
-    """Dask hands this to every worker once, also to those that come later."""
+    """Dask gives an FMU file to every worker once, also to those that join later."""
 
     def __init__(self, stored: str, content: bytes):
         self.stored, self.content = stored, content
         self.name = plugin_name(stored)
 
     def setup(self, worker: Any) -> None:
+        """Write the file into the worker's folder."""
         keep(work_folder(worker), self.stored, self.content)
 
 
 def plugin_name(stored: str) -> str:
+    """The Dask name of the plugin that sends a file."""
     return f"ahv-fmu-{stored}"
 
 
 def work_folder(worker: Any) -> Path:
+    """Where a worker keeps FMU files."""
     return Path(worker.local_directory) / "ahv_fmus"
 
 
 def keep(folder: Path, stored: str, content: bytes) -> None:
-    """`content` as SHA256/NAME.fmu below `folder`. Raises RunError if that is not its hash."""
+    """Write `content` to `folder` / `stored`, which is SHA256/NAME.fmu. Raises RunError if its hash is another."""
     if hashlib.sha256(content).hexdigest() != stored.partition("/")[0]:
         raise RunError(f"{stored} arrived with another content.")
     path = folder / stored
     if not path.is_file():
         path.parent.mkdir(parents=True, exist_ok=True)
-        half = path.with_suffix(f".{os.getpid()}")
-        half.write_bytes(content)
-        half.replace(path)
+        with whole(path) as partial:
+            partial.write_bytes(content)
 
 
 class OutOfTime(RunError):
-    pass
+    """A run took longer than the campaign allows."""
 
 
-class Hangar:
+class LoadedSystems:
     """The systems of one job, loaded when first flown and then reset."""
 
     def __init__(self, job: Job, folder: Path):
@@ -125,11 +130,12 @@ class Hangar:
         self.masters: dict[str, tuple[Master, ExitStack]] = {}
 
     def system(self, law: str, values: dict[str, Value]) -> System:
+        """The system of a law with `values`, its FMUs in this worker's folder."""
         system = with_values(self.job.systems[law], values)
         return replace(system, components=tuple(replace(c, fmu=self.folder / c.fmu) for c in system.components))
 
     def ready(self, law: str, values: dict[str, Value]) -> Master:
-        """A master about to initialise with these values."""
+        """A master that is ready to initialise with these values. Raises UsageError or RunError if it cannot be."""
         system = self.system(law, values)
         if law in self.masters:
             master = self.masters[law][0]
@@ -152,26 +158,28 @@ class Hangar:
         return master
 
     def drop(self, law: str) -> None:
+        """Unload the system of a law."""
         if law in self.masters:
             self.masters.pop(law)[1].close()
 
     def close(self) -> None:
+        """Unload all systems."""
         for law in list(self.masters):
             self.drop(law)
 
     def fly(self, request: Request) -> Outcome:
-        """Whatever happens is an outcome."""
+        """Fly one run; failures of any kind are outcomes, not exceptions."""
         began = time.monotonic()
         late: list[bool] = []
 
-        def watch(_: float) -> None:
+        def check_time(_: float) -> None:
             if time.monotonic() - began > self.job.timeout_s:
                 late.append(True)
                 raise OutOfTime(f"Took longer than timeout_s = {self.job.timeout_s:g} s.")
 
         try:
             master = self.ready(request.law, request.values)
-            flight = fly_loaded(master, method(self.job.algorithm), self.job.step, self.job.ticks, watch)
+            flight = fly_loaded(master, method(self.job.algorithm), self.job.step, self.job.ticks, check_time)
         except (RunError, UsageError) as error:
             return Outcome(request, "error", str(error))
         except Exception as error:
@@ -183,6 +191,7 @@ class Hangar:
         return self.outcome(request, flight, status)
 
     def outcome(self, request: Request, flight: Flight, status: str) -> Outcome:
+        """What a flight shows of the request."""
         found = flat(metrics(flight))
         ended = None if flight.finished else float(flight.time[-1])
         success = {name: flight.finished and holds(text, found) for name, text in self.job.success.items()}
@@ -210,7 +219,7 @@ def errors_over_time(flight: Flight, ticks: int) -> dict[str, np.ndarray]:
 
 
 JOBS: dict[str, Job] = {}
-HANGARS: list[Hangar] = []     # of this process; one at a time
+LOADED: list[LoadedSystems] = []     # of this process; one at a time
 TURN = threading.Lock()        # FMUs fly one at a time in a process, however many threads Dask gives it
 NOWHERE = open(os.devnull, "w")  # noqa: SIM115
 
@@ -222,17 +231,17 @@ def fly_batch(key: str, first: int, last: int, positions: list[int] | None = Non
     job, folder = JOBS[key], work_folder(get_worker())
     asked = list(requests(job, first, last))
     with TURN:
-        if not HANGARS or HANGARS[0].job.key != key:
-            for hangar in HANGARS:
-                hangar.close()
-            HANGARS[:] = [Hangar(job, folder)]
-        return [guarded(HANGARS[0], asked[i]) for i in (range(len(asked)) if positions is None else positions)]
+        if not LOADED or LOADED[0].job.key != key:
+            for loaded in LOADED:
+                loaded.close()
+            LOADED[:] = [LoadedSystems(job, folder)]
+        return [guarded(LOADED[0], asked[i]) for i in (range(len(asked)) if positions is None else positions)]
 
 
-def guarded(hangar: Hangar, request: Request) -> Outcome:
-    """Fly; a call that does not come back ends this process, since nothing else can."""
-    faulthandler.dump_traceback_later(hangar.job.timeout_s + PATIENCE_S, exit=True, file=NOWHERE)
+def guarded(loaded: LoadedSystems, request: Request) -> Outcome:
+    """Fly one run. An FMU call that does not return ends this process: it cannot be ended otherwise."""
+    faulthandler.dump_traceback_later(loaded.job.timeout_s + PATIENCE_S, exit=True, file=NOWHERE)
     try:
-        return hangar.fly(request)
+        return loaded.fly(request)
     finally:
         faulthandler.cancel_dump_traceback_later()

@@ -1,1 +1,11 @@
-"""Any system of FMUs, flown: files, instances, wiring, tick loops, algorithms, recording."""
+"""The master: flies any system of FMUs.
+
+    system        what to fly, as data                  fmu           FMU files and their instances, through fmpy
+    unpack        archives of unknown origin            dependencies  which output depends on which input
+    initialise    from instantiated to ready to step    wiring        a loaded system as arrays
+    program       what a tick does, as rows of numbers  loop_plain, loop_compiled   what carries programs out
+    algorithms    Jacobi, Gauss-Seidel and others       loaded        a loaded system: initialise, run programs, reset
+    flight        from start to stop                    recording     rows into memory or a Parquet file
+    pace          real time                             isolated      a flight in a process of its own
+    last_call     the current FMU call, for `isolated`  results       a flight written to a folder
+"""

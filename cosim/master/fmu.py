@@ -8,7 +8,6 @@ import xml.etree.ElementTree as ET
 import zipfile
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from difflib import get_close_matches
 from pathlib import Path, PurePosixPath
 from typing import Any
 
@@ -25,7 +24,7 @@ from fmpy.fmi2 import (
 from fmpy.logging import addLoggerProxy
 from fmpy.model_description import ModelDescription, ScalarVariable
 
-from ..errors import RunError, UsageError
+from ..errors import RunError, UsageError, did_you_mean
 from . import last_call
 from .quantities import in_unit_of
 from .system import Value
@@ -38,20 +37,22 @@ CTYPES = {"Real": ctypes.c_double, "Integer": ctypes.c_int, "Boolean": ctypes.c_
 SUFFIX = {"Real": "Real", "Integer": "Integer", "Enumeration": "Integer", "Boolean": "Boolean"}
 CALL_SUFFIX = {**SUFFIX, "String": "String"}
 
-MESSAGES: dict[str, list[str]] = {}  # instance name -> what it said that is worse than OK
+MESSAGES: dict[str, list[str]] = {}  # instance name -> its messages of a status worse than OK
 MOST_MESSAGES = 1000
 
 
 def log(_environment: Any, instance: bytes, status: int, _category: bytes, message: bytes) -> None:
-    said = MESSAGES.setdefault(instance.decode("utf-8", "replace"), [])
+    """The logger of all instances: keeps messages that are worse than OK."""
+    kept = MESSAGES.setdefault(instance.decode("utf-8", "replace"), [])
     if status > OK:
         text = message.decode("utf-8", "replace")
-        last_call.said(text)
-        if len(said) < MOST_MESSAGES:
-            said.append(text)
+        last_call.logged(text)
+        if len(kept) < MOST_MESSAGES:
+            kept.append(text)
 
 
 def make_callbacks() -> fmi2CallbackFunctions:
+    """The callbacks that all instances are given."""
     callbacks = fmi2CallbackFunctions()
     callbacks.logger = fmi2CallbackLoggerTYPE(log)
     callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(fmpy.calloc)
@@ -65,6 +66,7 @@ CALLBACKS = make_callbacks()
 
 
 def existing(path: Path) -> Path:
+    """`path` itself. Raises UsageError if there is no such file."""
     if not path.is_file():
         raise UsageError(f"There is no FMU at {path}; `ahv build` writes the FMUs of this project.")
     return path
@@ -128,20 +130,21 @@ class FmuFile:
         return cls(path, folder, description, hashlib.sha256(path.read_bytes()).hexdigest())
 
     def close(self) -> None:
+        """Remove the extracted files."""
         shutil.rmtree(self.folder, ignore_errors=True)
 
     def variable(self, name: str) -> ScalarVariable:
         """The variable called `name`; UsageError suggests the nearest one if there is none."""
         if name not in self.variables:
-            near = get_close_matches(name, self.variables, 1, 0.4)
-            hint = f"; did you mean {near[0]}?" if near else "."
-            raise UsageError(f"{self.path.name} has no variable {name}{hint}")
+            raise UsageError(f"{self.path.name} has no variable {name}{did_you_mean(name, self.variables)}")
         return self.variables[name]
 
     def names(self, causality: str) -> list[str]:
+        """The variables of a causality, in the order of the description."""
         return [v.name for v in self.description.modelVariables if v.causality == causality]
 
     def preset(self, name: str) -> dict[str, Value]:
+        """The values of a preset, see `preset`."""
         return preset(self.path, name)
 
     def checked(self, name: str, value: Value, component: str) -> Value:
@@ -195,13 +198,14 @@ class Instance:
                                    modelIdentifier=self.cosimulation.modelIdentifier)
             self.slave.instantiate(callbacks=CALLBACKS, loggingOn=True)
         except Exception as error:
-            said = f" It said: {self.messages[-1]}" if self.messages else ""
-            raise RunError(f"{name} ({file.path.name}) cannot be instantiated: {error}{said}") from error
+            message = f" It said: {self.messages[-1]}" if self.messages else ""
+            raise RunError(f"{name} ({file.path.name}) cannot be instantiated: {error}{message}") from error
         self.component = ctypes.c_void_p(self.slave.component)
         self.pointer = int(self.slave.component)
-        self.do_step = self._function("fmi2DoStep", ctypes.c_double, ctypes.c_double, ctypes.c_int)
+        self.do_step = self.function("fmi2DoStep", ctypes.c_double, ctypes.c_double, ctypes.c_int)
 
-    def _function(self, name: str, *argument_types: Any) -> Any:
+    def function(self, name: str, *argument_types: Any) -> Any:
+        """A C function of the library that takes the instance first and returns a status."""
         function = self.slave.dll[name]
         function.argtypes = [ctypes.c_void_p, *argument_types]
         function.restype = ctypes.c_int
@@ -216,18 +220,18 @@ class Instance:
 
     def accessor(self, verb: str, kind: str) -> Any:
         """The raw fmi2Get.../fmi2Set... function of a variable type."""
-        return self._function(f"fmi2{verb}{SUFFIX[kind]}", ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p)
+        return self.function(f"fmi2{verb}{SUFFIX[kind]}", ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p)
 
     def check(self, status: int, call: str, time: float | None = None) -> None:
-        """Raise RunError unless `status` is OK or Warning, with what the FMU said about it."""
+        """Raise RunError unless `status` is OK or Warning, with the FMU's last message."""
         if status <= WARNING:
             return
         self.alive, self.failed = status != FATAL, status >= ERROR
         when = "" if time is None else f" at t = {time:.6g} s"
-        said = self.messages[-1] if self.messages else "and gave no reason"
-        raise RunError(f"{self.name} ({self.file.path.name}) answered {STATUS[status]} to {call}{when}: {said}")
+        reason = self.messages[-1] if self.messages else "and gave no reason"
+        raise RunError(f"{self.name} ({self.file.path.name}) answered {STATUS[status]} to {call}{when}: {reason}")
 
-    def _transfer(self, verb: str, names: Iterable[str], values: Iterable[Value] | None) -> list[Any]:
+    def transfer(self, verb: str, names: Iterable[str], values: Iterable[Value] | None) -> list[Any]:
         """Get or set variables of any type by name, one call per type; values in the order of `names`."""
         names = list(names)
         given = dict(zip(names, values)) if values is not None else {}
@@ -247,7 +251,7 @@ class Instance:
 
     def get(self, names: Iterable[str]) -> list[Any]:
         """Values of the variables called `names` (strings are left out)."""
-        return self._transfer("Get", names, None)
+        return self.transfer("Get", names, None)
 
     def get_any(self, names: list[str]) -> list[Any]:
         """Values of variables of any type, strings too."""
@@ -261,7 +265,7 @@ class Instance:
 
     def free_state(self, place: int) -> None:
         """fmi2FreeFMUstate of the state whose pointer is at the address `place`."""
-        self._function("fmi2FreeFMUstate", ctypes.c_void_p)(self.component, place)
+        self.function("fmi2FreeFMUstate", ctypes.c_void_p)(self.component, place)
 
     def set(self, values: dict[str, Value]) -> None:
         """Set variables by name; values must have been through `FmuFile.checked`."""
@@ -269,17 +273,18 @@ class Instance:
         if strings:
             self.slave.setString([self.file.variables[n].valueReference for n in strings], list(strings.values()))
         numbers = {n: x for n, x in values.items() if n not in strings}
-        self._transfer("Set", numbers, numbers.values())
+        self.transfer("Set", numbers, numbers.values())
 
     def setup(self, start: float, stop: float) -> None:
+        """fmi2SetupExperiment; times in s."""
         flag = ctypes.c_int
-        call = self._function("fmi2SetupExperiment", flag, ctypes.c_double, ctypes.c_double, flag, ctypes.c_double)
+        call = self.function("fmi2SetupExperiment", flag, ctypes.c_double, ctypes.c_double, flag, ctypes.c_double)
         self.check(call(self.component, 0, 0.0, start, 1, stop), "fmi2SetupExperiment")
 
     def simple(self, call: str) -> None:
         """Make a call that takes nothing but the instance, such as fmi2EnterInitializationMode."""
         last_call.note(f"{self.name} ({self.file.path.name}): {call}")
-        self.check(self._function(call)(self.component), call)
+        self.check(self.function(call)(self.component), call)
         self.stepping = {"fmi2ExitInitializationMode": True, "fmi2Reset": False}.get(call, self.stepping)
         self.failed = self.failed and call != "fmi2Reset"
 
@@ -287,7 +292,7 @@ class Instance:
         """Terminate where the standard allows it, and free; after Fatal no call is allowed any more."""
         if self.alive:
             if self.stepping and not self.failed:
-                self._function("fmi2Terminate")(self.component)
+                self.function("fmi2Terminate")(self.component)
             self.slave.fmi2FreeInstance(self.slave.component)
             if hasattr(self.slave.dll, "finalizePythonInterpreter"):
                 # pythonfmu 0.7.0 does this as its library goes, after its static objects: a write to freed memory that

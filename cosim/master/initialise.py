@@ -1,6 +1,6 @@
-"""Initialisation: values travel from outputs to inputs in the order that the FMUs declare in InitialUnknowns.
+"""Initialisation: values go from outputs to inputs in the order that the FMUs declare in InitialUnknowns.
 
-What depends on nothing comes first; where dependencies loop, the loop is passed through until it settles.
+What depends on nothing comes first. An algebraic loop is repeated until its values stay the same.
 """
 from collections.abc import Mapping
 from itertools import groupby
@@ -19,7 +19,7 @@ Batch = list[str]  # component.variable, all of one component and all inputs or 
 
 
 def order(system: System, files: Mapping[str, FmuFile], targets: Mapping[str, Connection]) -> list[list[Batch]]:
-    """What to set and get, one item after the other: a list of one batch is done once, one of several is a loop."""
+    """What to set and get, in order: a list of one batch is done once, a list of several is an algebraic loop."""
     needs = value_needs(system, files, targets, initially=True)
     groups = strongly_connected(needs)
     level: dict[str, int] = {}
@@ -46,6 +46,7 @@ class Exchange:
         self.known: dict[str, float | str] = {}
 
     def move(self, batch: Batch) -> None:
+        """Set the inputs of a batch, or get its outputs."""
         component = batch[0].partition(".")[0]
         instance, names = self.instances[component], [n.partition(".")[2] for n in batch]
         if batch[0] not in self.targets:
@@ -59,10 +60,11 @@ class Exchange:
         instance.set(values)
 
     def numbers(self, names: list[str]) -> np.ndarray:
+        """The known values of `names` that are no texts, shape (names,)."""
         return np.array([x for n in names if not isinstance(x := self.known[n], str)], dtype=float)
 
     def settle(self, batches: list[Batch]) -> None:
-        """Pass through a loop until its outputs stay as they are.
+        """Repeat a loop until its outputs stay the same, to SETTLED.
 
         Raises RunError naming the outputs that do not.
         """

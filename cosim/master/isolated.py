@@ -1,7 +1,7 @@
 """A flight in a process of its own: an FMU that crashes or hangs ends the flight, not the program.
 
-The process is a fork, which hands over rows as they come. What it calls just now stands in shared memory, so that
-the last call can be named, and rows that were not handed over yet are there too.
+The process is a fork, which sends recorded rows as they come. Its current FMU call is in shared memory, so that the
+message can name it; so are rows that were not sent yet.
 """
 import os
 import signal
@@ -26,7 +26,7 @@ LOOK_S = 0.05
 
 
 class Sender(Recorder):
-    """Hands rows over to the parent; its room is in shared memory where it fits."""
+    """A recorder that sends rows to the parent; its buffer is in shared memory where it fits."""
 
     def __init__(self, columns: list[Signal], end: End, place: last_call.Place):
         super().__init__(columns)
@@ -44,6 +44,7 @@ class Sender(Recorder):
 
     @staticmethod
     def master_cursor() -> np.ndarray:
+        """The loop's cursor, see `loop_compiled.kernel`."""
         assert last_call.place is not None
         return last_call.place.cursor
 
@@ -72,7 +73,7 @@ def fly_isolated(system: System, step: float, stop: float, algorithm: str, progr
 
 
 def run_child(end: End, place: last_call.Place, folder: str, flight: Callable[[Any], Flight]) -> None:
-    """The whole life of the child; does not return."""
+    """What the child does: fly, send the result or the error, and exit. Does not return."""
     try:
         last_call.place, tempfile.tempdir = place, folder
         result = flight(lambda head, calls: end.send(("head", head, calls)))
@@ -85,6 +86,7 @@ def run_child(end: End, place: last_call.Place, folder: str, flight: Callable[[A
 
 
 class Parent:
+    """The process that waits: it collects rows and progress, and ends the child when an FMU call takes too long."""
     def __init__(self, child: int, end: End, place: last_call.Place, stream: Path | None, progress: Progress | None,
                  limit: float | None):
         self.child, self.end, self.place, self.stream, self.progress = child, end, place, stream, progress
@@ -95,6 +97,7 @@ class Parent:
         self.begun = time.perf_counter()
 
     def wait(self) -> Flight:
+        """The flight, once the child has ended. Raises the child's error, and RunError if it ended before a tick."""
         seen, since = self.position(), time.monotonic()
         with interruptions() as interrupted:
             while True:
@@ -121,13 +124,16 @@ class Parent:
                     return self.broken("was interrupted in")
 
     def kill(self) -> None:
+        """End the child."""
         os.kill(self.child, signal.SIGKILL)
         os.waitpid(self.child, 0)
 
     def position(self) -> tuple[Any, ...]:
+        """What changes with every FMU call of the child."""
         return (*self.place.cursor.tolist(), *self.place.span.tolist(), self.place.read(last_call.NOTE))
 
     def take(self, item: tuple[Any, ...]) -> Flight | None:
+        """Handle a message of the child; the flight if it is the last one. Raises the child's error."""
         kind, *rest = item
         if kind == "progress" and self.progress:
             self.progress(*rest)
@@ -148,12 +154,15 @@ class Parent:
         return None
 
     def broken(self, how: str) -> Flight:
-        """What is left of a flight whose process is gone."""
-        words = self.place.read(last_call.SAID)
-        said = f"; it had said: {words}" if words else ""
+        """The flight as far as it came, of a process that is gone; `how` is the verb of the message.
+
+        Raises RunError if the process ended before the first tick.
+        """
+        message = self.place.read(last_call.LOGGED)
+        last_message = f"; it had said: {message}" if message else ""
         if self.head is None or self.recorder is None:
             who, _, call = self.place.read(last_call.NOTE).partition(": ")
-            raise RunError(f"{who} {how} {call}{said}")
+            raise RunError(f"{who} {how} {call}{last_message}")
         tick, _, used, code, index = self.place.cursor.tolist()
         who, call, late = self.calls.get((code, index), ("An FMU", "a call", 0))
         start, step = self.place.span.tolist()
@@ -164,13 +173,13 @@ class Parent:
         flight = self.head
         flight.time, flight.signals = self.recorder.finish()
         flight.finished, flight.ticks, flight.wall_s = False, tick, time.perf_counter() - self.begun
-        flight.message = f"{who} {how} {call} at t = {start + (tick + late) * step:.6g} s{said}"
+        flight.message = f"{who} {how} {call} at t = {start + (tick + late) * step:.6g} s{last_message}"
         return flight
 
 
 def launch(system: System, step: float, stop: float, algorithm: str = "gauss-seidel", progress: Progress | None = None,
            isolate: bool = False, time_limit: float | None = None, **options: Any) -> Flight:
-    """`flight.fly`, here or in a process of its own."""
+    """`flight.fly`, in a process of its own if `isolate` or with a `time_limit` (s). Raises what those raise."""
     if isolate or time_limit is not None:
         return fly_isolated(system, step, stop, algorithm, progress, time_limit, **options)
     return fly(system, step, stop, algorithm, progress, **options)

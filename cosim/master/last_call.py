@@ -1,18 +1,19 @@
-"""What is being called just now, where a parent process can read it after a crash or a hang.
+"""The current FMU call and the last log message in shared memory, where a parent process reads them after a crash.
 
 `Place` is memory that a process and its fork share; `place` is the one in use. Without isolation there is none, and
-notes are lost at once.
+nothing is kept.
 """
 import mmap
 
 import numpy as np
 
 LINE = 1024
-CURSOR, SPAN, NOTE, SAID, ROWS = 0, 256, 512, 512 + LINE, 4096
+CURSOR, SPAN, NOTE, LOGGED, ROWS = 0, 256, 512, 512 + LINE, 4096
 ROOM = 1 << 26  # for rows that are not handed over yet; untouched memory costs nothing
 
 
 class Place:
+    """Shared memory: the loop's cursor and times, two lines of text, and rows that are not handed over yet."""
     def __init__(self) -> None:
         self.memory = mmap.mmap(-1, ROWS + ROOM)
         self.cursor = np.frombuffer(self.memory, np.int64, 5, CURSOR)   # see `loop_compiled.kernel`
@@ -20,10 +21,12 @@ class Place:
         self.doubles = np.frombuffer(self.memory, np.float64, ROOM // 8, ROWS)
 
     def write(self, where: int, text: str) -> None:
+        """Write a line at the offset `where` (NOTE or LOGGED)."""
         line = text.encode("utf-8", "replace")[:LINE - 1]
         self.memory[where:where + len(line) + 1] = line + b"\0"
 
     def read(self, where: int) -> str:
+        """The line at the offset `where`."""
         return bytes(self.memory[where:where + LINE]).partition(b"\0")[0].decode("utf-8", "replace")
 
 
@@ -31,12 +34,12 @@ place: Place | None = None
 
 
 def note(text: str) -> None:
-    """About to be called, outside of ticks; an empty text says that ticks have begun."""
+    """Keep the name of the call that comes next, outside of ticks."""
     if place is not None:
         place.write(NOTE, text)
 
 
-def said(text: str) -> None:
-    """A line of an FMU's log."""
+def logged(text: str) -> None:
+    """Keep a message of an FMU's log."""
     if place is not None:
-        place.write(SAID, text)
+        place.write(LOGGED, text)

@@ -4,7 +4,7 @@ The algorithms (`algorithms`) say what to do on a tick, as programs; `flight` fl
 """
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Any
+from typing import Protocol
 
 import numpy as np
 
@@ -14,10 +14,19 @@ from . import program as P
 from .fmu import FmuFile, Instance
 from .initialise import initialise
 from .system import System, Value
-from .wiring import LONGEST_TEXT, Signal, Wirer, checked_connections, picked
+from .wiring import LONGEST_TEXT, Wirer, Wiring, checked_connections, recorded_names
+from .wiring import Signal as Signal  # `flight` takes it from here
 
 CALLS = {P.SET: "fmi2Set{}", P.PREDICT: "fmi2Set{}", P.SLOPE: "fmi2SetRealInputDerivatives", P.GET: "fmi2Get{}",
          P.STEP: "fmi2DoStep", P.SAVE: "fmi2GetFMUstate", P.RESTORE: "fmi2SetFMUstate"}
+
+
+class Loop(Protocol):
+    """Carries out programs on one wiring: `loop_plain.Loop` or `loop_compiled.Loop`."""
+
+    def run(self, ops: np.ndarray, rows: np.ndarray, times: np.ndarray, cursor: np.ndarray,
+            first: int, count: int, start: float, step: float, decimate: int) -> int:
+        """Carry out `ops` on `count` ticks, see `loop_compiled.kernel`; 0, or the status of the call that failed."""
 
 
 class Master:
@@ -33,9 +42,9 @@ class Master:
         does not instantiate.
         """
         self.system, self.files = system, files
-        self.values = self._checked(system)
+        self.values = self.checked_values(system)
         self.targets = checked_connections(system, files)
-        recorded = picked(system, files, record)
+        recorded = recorded_names(system, files, record)
         self.instances: list[Instance] = []
         try:
             for component in system.components:
@@ -49,22 +58,24 @@ class Master:
         self.cursor = last_call.place.cursor if last_call.place else np.zeros(5, np.int64)
         self.span = last_call.place.span if last_call.place else np.zeros(2)
 
-    def _checked(self, system: System) -> dict[str, dict[str, Value]]:
+    def checked_values(self, system: System) -> dict[str, dict[str, Value]]:
+        """Component -> variable -> value in the variable's type. Raises UsageError for a value that does not fit."""
         return {c.name: {n: self.files[c.name].checked(n, x, c.name) for n, x in c.values.items()}
                 for c in system.components}
 
     @property
     def columns(self) -> list[Signal]:
+        """What is recorded, in the order of a row."""
         return self.wiring.columns
 
     def row(self) -> np.ndarray:
-        """The recorded signals as they are now."""
-        return self.wiring.signals[self.wiring.recorded]
+        """The recorded signals as they are now, shape (columns,)."""
+        return self.wiring.signals.take(self.wiring.recorded)
 
     # --- life cycle -----------------------------------------------------------------------------------
 
     def initialise(self, start: float, stop: float) -> None:
-        """Set values, then exchange outputs and inputs until all FMUs are ready to step.
+        """Set values, then exchange outputs and inputs until all FMUs are ready to step. Times in s.
 
         Raises RunError if an FMU refuses, or if the values do not settle.
         """
@@ -80,19 +91,21 @@ class Master:
 
         Raises UsageError for values that do not fit, RunError if an FMU refuses.
         """
-        self.values = self._checked(system)
+        self.values = self.checked_values(system)
         self.free_states()
         for instance in self.instances:
             instance.simple("fmi2Reset")
             instance.messages.clear()
 
     def free_states(self) -> None:
-        for instance, part, i in zip(self.instances, self.wiring.parts, range(len(self.instances))):
-            if self.wiring.states[i] and part[P.FREE_STATE] and instance.alive:
+        """Free the FMU states that programs have saved."""
+        for i, (instance, row) in enumerate(zip(self.instances, self.wiring.components)):
+            if self.wiring.states[i] and row[P.FREE_STATE] and instance.alive:
                 instance.free_state(self.wiring.states.ctypes.data + 8 * i)
             self.wiring.states[i] = 0
 
     def close(self) -> None:
+        """End all instances and unload their libraries."""
         if hasattr(self, "wiring"):
             self.free_states()
         for instance in self.instances:
@@ -103,12 +116,16 @@ class Master:
 
     def attempt(self, ops: np.ndarray, first: int, count: int, start: float, step: float,
                 rows: np.ndarray, times: np.ndarray, decimate: int) -> int:
-        """Carry out `ops` on `count` ticks (see `loop_compiled.kernel`); the status of the call that failed, or 0."""
+        """Carry out `ops` on `count` ticks from the tick `first`; the status of the call that failed, or 0.
+
+        Tick k begins at start + k * step (s); `rows` and `times` get every `decimate`-th tick (0: none), see
+        `loop_compiled.kernel`.
+        """
         self.span[:] = start, step
         return self.loop.run(ops, rows, times, self.cursor, first, count, start, step, decimate)
 
     def run(self, ops: np.ndarray, first: int, count: int, start: float, step: float) -> None:
-        """The same, without rows. Raises RunError for a failed call."""
+        """Carry out `ops` without recording. Raises RunError for a failed call."""
         self.check(self.attempt(ops, first, count, start, step, NO_ROWS, NO_TIMES, 0), ops, start, step)
 
     def check(self, status: int, ops: np.ndarray, start: float, step: float) -> None:
@@ -116,9 +133,9 @@ class Master:
         if status == 0:
             return
         tick, at = int(self.cursor[0]), int(self.cursor[1])
-        part, call, late = self.described(*ops[at, :2].tolist())
+        component, call, late = self.described(*ops[at, :2].tolist())
         time = start + (tick + late) * step
-        instance = self.instances[part]
+        instance = self.instances[component]
         if status == P.TOO_LONG:
             raise RunError(f"{instance.name} ({instance.file.path.name}) shows a text longer than {LONGEST_TEXT - 1} "
                            f"bytes at t = {time:.6g} s.")
@@ -137,8 +154,8 @@ class Master:
         for code in CALLS:
             of_groups = code in (P.SET, P.PREDICT, P.SLOPE, P.GET)
             for index in range(len(self.wiring.every_group) if of_groups else len(self.instances)):
-                part, call, late = self.described(code, index)
-                instance = self.instances[part]
+                component, call, late = self.described(code, index)
+                instance = self.instances[component]
                 found[code, index] = f"{instance.name} ({instance.file.path.name})", call, late
         return found
 
@@ -147,10 +164,12 @@ class Master:
         return [i.name for i in self.instances if not i.cosimulation.canGetAndSetFMUstate]
 
     def snapshot(self) -> list[np.ndarray]:
+        """Copies of what a step changes here, to be given to `put_back`; the FMUs' own states are saved by programs."""
         w = self.wiring
         return [a.copy() for a in (w.signals, w.before, w.clock, w.texts)]
 
     def put_back(self, snapshot: list[np.ndarray]) -> None:
+        """Undo what has changed here since `snapshot`."""
         w = self.wiring
         for place, kept in zip((w.signals, w.before, w.clock, w.texts), snapshot):
             place[:] = kept
@@ -159,17 +178,21 @@ class Master:
 NO_ROWS, NO_TIMES = np.empty((0, 0)), np.empty(0)
 
 
-def make_loop(plain: bool, wiring: Any) -> Any:
+def make_loop(plain: bool, wiring: Wiring) -> Loop:
+    """The tick loop: in Python if `plain`, else compiled."""
     if plain:
-        from .loop_plain import Loop as Plain
-        return Plain(wiring)
-    from .loop_compiled import Loop  # numba takes its time
-    return Loop(wiring)
+        from . import loop_plain
+        return loop_plain.Loop(wiring)
+    from . import loop_compiled  # imports numba, which is slow
+    return loop_compiled.Loop(wiring)
 
 
 @contextmanager
 def open_files(system: System) -> Iterator[dict[str, FmuFile]]:
-    """The FMU files of a system, extracted; each file once, however many components use it."""
+    """The FMU file of every component, extracted once for all that use it and removed at the end.
+
+    Raises UsageError for a file that is missing or is no FMI 2.0 co-simulation FMU.
+    """
     opened: dict[str, FmuFile] = {}
     try:
         for component in system.components:

@@ -30,6 +30,7 @@ assert LAST_BYTE == LONGEST_TEXT - 1
 
 
 I32, I64, F64 = ir.IntType(32), ir.IntType(64), ir.DoubleType()
+Array = np.ndarray  # the annotations of `kernel` are for readers and mypy: numba takes the types of the call
 WIDE: dict[ir.Type, Any] = {I32: types.int32, I64: types.int64, F64: types.float64}
 
 
@@ -49,9 +50,11 @@ call_step: Any = intrinsic(lambda typing, f, instance, time, step, keep: emit(I6
 
 
 @njit(cache=True, error_model="numpy")
-def kernel(ops, groups, parts, where, factor, offset, reals, wholes, pointers, slopes, signals, before, clock,
-           holder, smooth, texts, text_place, states, state_place, strncpy, recorded, rows, times, cursor,
-           first, count, start, step, decimate):  # type: ignore[no-untyped-def]
+def kernel(ops: Array, groups: Array, components: Array, where: Array, factor: Array, offset: Array, reals: Array,
+           wholes: Array, pointers: Array, slopes: Array, signals: Array, before: Array, clock: Array, holder: Array,
+           smooth: Array, texts: Array, text_place: int, states: Array, state_place: int, strncpy: int,
+           recorded: Array, rows: Array, times: Array, cursor: Array,
+           first: int, count: int, start: float, step: float, decimate: int) -> np.int32:
     """Ticks first ... first + count - 1, of `step` from `start`; a row of the recorded signals after each tick whose
     number, counted from 1, `decimate` divides (0: none). Returns 0, or the status of the call that failed; `cursor`
     has the tick, the row of `ops`, the number of rows written, and the row's code and index, at any time."""
@@ -65,7 +68,7 @@ def kernel(ops, groups, parts, where, factor, offset, reals, wholes, pointers, s
             cursor[1], cursor[3], cursor[4] = i, code, g
             status = np.int32(0)
             if code == STEP:
-                status = call_step(parts[g, DO_STEP], parts[g, INSTANCE], t, ops[i, 4] * step,
+                status = call_step(components[g, DO_STEP], components[g, INSTANCE], t, ops[i, 4] * step,
                                    np.int32(states[g] == 0))  # not 0: it may be set back yet
             elif code == GET:
                 status = call_4(groups[g, CALL], groups[g, POINTER], groups[g, REFERENCES], groups[g, COUNT],
@@ -107,17 +110,17 @@ def kernel(ops, groups, parts, where, factor, offset, reals, wholes, pointers, s
                     status = call_5(groups[g, SET_SLOPES], groups[g, POINTER], groups[g, REFERENCES],
                                     groups[g, COUNT], groups[g, ORDERS], groups[g, SLOPES])
             elif code == MARK:
-                for s in range(parts[g, SLOTS_FROM], parts[g, SLOTS_TO]):
+                for s in range(components[g, SLOTS_FROM], components[g, SLOTS_TO]):
                     before[s] = signals[s]
                 clock[g, 1] = clock[g, 0]
                 clock[g, 0] = t + ops[i, 4] * step
             elif code == SAVE:
                 if states[g] != 0:
-                    call_2(parts[g, FREE_STATE], parts[g, INSTANCE], state_place + 8 * g)
+                    call_2(components[g, FREE_STATE], components[g, INSTANCE], state_place + 8 * g)
                     states[g] = 0
-                status = call_2(parts[g, GET_STATE], parts[g, INSTANCE], state_place + 8 * g)
+                status = call_2(components[g, GET_STATE], components[g, INSTANCE], state_place + 8 * g)
             elif code == RESTORE:
-                status = call_2(parts[g, SET_STATE], parts[g, INSTANCE], states[g])
+                status = call_2(components[g, SET_STATE], components[g, INSTANCE], states[g])
             if status > 1:
                 return status
         if decimate > 0 and (tick + 1) % decimate == 0:
@@ -134,10 +137,11 @@ class Loop:
 
     def __init__(self, wiring: Wiring):
         w = self.wiring = wiring
-        self.tables = (w.groups, w.parts, w.where, w.factor, w.offset, w.reals, w.wholes, w.pointers, w.slopes,
+        self.tables = (w.groups, w.components, w.where, w.factor, w.offset, w.reals, w.wholes, w.pointers, w.slopes,
                        w.signals, w.before, w.clock, w.holder, w.smooth, w.texts, w.texts.ctypes.data, w.states,
                        w.states.ctypes.data, strncpy_address(), w.recorded)
 
-    def run(self, ops: np.ndarray, rows: np.ndarray, times: np.ndarray, cursor: np.ndarray,
+    def run(self, ops: Array, rows: Array, times: Array, cursor: Array,
             first: int, count: int, start: float, step: float, decimate: int) -> int:
+        """Carry out `ops`; see `kernel`."""
         return int(kernel(ops, *self.tables, rows, times, cursor, first, count, start, step, decimate))

@@ -16,15 +16,15 @@ COPY = ctypes.CFUNCTYPE(POINTER, POINTER, POINTER, SIZE)
 
 
 class Bound:
-    """A group's row with its function, and its parts of the vectors."""
+    """A group's row as callable function, arguments and views of its shares of the vectors."""
 
     def __init__(self, wiring: Wiring, row: np.ndarray):
         call, instance, references, count, buffer, first, self.kind, _, slopes_call, slopes, orders = row.tolist()
-        part = slice(first, first + count)
+        mine = slice(first, first + count)
         self.call, self.arguments = TRANSFER(call), (instance, references, count, buffer)
-        self.where, self.factor, self.offset = wiring.where[part], wiring.factor[part], wiring.offset[part]
-        self.values: np.ndarray = (wiring.reals, wiring.wholes, wiring.pointers)[self.kind][part]
-        self.slopes = wiring.slopes[part]
+        self.where, self.factor, self.offset = wiring.where[mine], wiring.factor[mine], wiring.offset[mine]
+        self.values: np.ndarray = (wiring.reals, wiring.wholes, wiring.pointers)[self.kind][mine]
+        self.slopes = wiring.slopes[mine]
         self.slopes_call = TRANSFER_SLOPES(slopes_call) if slopes_call else None
         self.slopes_arguments = (instance, references, count, orders, slopes)
 
@@ -35,16 +35,17 @@ class Loop:
     def __init__(self, wiring: Wiring):
         self.wiring = wiring
         self.groups = [Bound(wiring, row) for row in wiring.groups]
-        self.parts: list[dict[int, Any]] = [
+        self.components: list[dict[int, Any]] = [
             {P.INSTANCE: row[P.INSTANCE], P.DO_STEP: DO_STEP(row[P.DO_STEP]),
              **{k: STATE(row[k]) for k in (P.GET_STATE, P.SET_STATE, P.FREE_STATE) if row[k]}}
-            for row in wiring.parts.tolist()]
+            for row in wiring.components.tolist()]
         self.copy = COPY(strncpy_address())
         self.actions = {P.SET: self.set, P.PREDICT: self.predict, P.SLOPE: self.predict, P.STEP: self.step,
                         P.GET: self.get, P.MARK: self.mark, P.SAVE: self.save, P.RESTORE: self.restore}
 
     def run(self, ops: np.ndarray, rows: np.ndarray, times: np.ndarray, cursor: np.ndarray,
             first: int, count: int, start: float, step: float, decimate: int) -> int:
+        """Carry out `ops`; see `loop_compiled.kernel`."""
         w = self.wiring
         listed = [(i, self.actions[code], code, *rest) for i, (code, *rest) in enumerate(ops.tolist())]
         for tick in range(first, first + count):
@@ -64,12 +65,14 @@ class Loop:
         return 0
 
     def set(self, code: int, index: int, t: float, reach: float, step: float) -> int:
+        """Give a group its inputs, as the signals are now."""
         group = self.groups[index]
         if group.kind != P.TEXT:  # a text input points at its source already
             group.values[:] = group.factor * self.wiring.signals[group.where] + group.offset
         return int(group.call(*group.arguments))
 
     def predict(self, code: int, index: int, t: float, reach: float, step: float) -> int:
+        """Give a group its inputs by their last slope (PREDICT), or with it (SLOPE)."""
         w, group = self.wiring, self.groups[index]
         if group.kind != P.REAL:
             return self.set(code, index, t, reach, step)
@@ -89,10 +92,12 @@ class Loop:
         return int(status)
 
     def step(self, code: int, index: int, t: float, reach: float, step: float) -> int:
-        part, not_back = self.parts[index], self.wiring.states[index] == 0
-        return int(part[P.DO_STEP](part[P.INSTANCE], t, reach, int(not_back)))
+        """One fmi2DoStep of a component."""
+        component, not_back = self.components[index], self.wiring.states[index] == 0
+        return int(component[P.DO_STEP](component[P.INSTANCE], t, reach, int(not_back)))
 
     def get(self, code: int, index: int, t: float, reach: float, step: float) -> int:
+        """Read a group's variables into the signals; TOO_LONG for a text that does not fit."""
         w, group = self.wiring, self.groups[index]
         status = int(group.call(*group.arguments))
         if status > 1:
@@ -107,20 +112,23 @@ class Loop:
         return status
 
     def mark(self, code: int, index: int, t: float, reach: float, step: float) -> int:
+        """Remember a component's signals and their time as the last ones."""
         w = self.wiring
-        mine = slice(*w.parts[index, P.SLOTS_FROM:P.SLOTS_TO + 1])
+        mine = slice(*w.components[index, P.SLOTS_FROM:P.SLOTS_TO + 1])
         w.before[mine] = w.signals[mine]
         w.clock[index] = t + reach, w.clock[index, 0]
         return 0
 
     def save(self, code: int, index: int, t: float, reach: float, step: float) -> int:
-        w, part = self.wiring, self.parts[index]
+        """fmi2GetFMUstate, in place of the state saved before."""
+        w, component = self.wiring, self.components[index]
         place = w.states.ctypes.data + 8 * index
         if w.states[index]:
-            part[P.FREE_STATE](part[P.INSTANCE], place)
+            component[P.FREE_STATE](component[P.INSTANCE], place)
             w.states[index] = 0
-        return int(part[P.GET_STATE](part[P.INSTANCE], place))
+        return int(component[P.GET_STATE](component[P.INSTANCE], place))
 
     def restore(self, code: int, index: int, t: float, reach: float, step: float) -> int:
-        part = self.parts[index]
-        return int(part[P.SET_STATE](part[P.INSTANCE], int(self.wiring.states[index])))
+        """fmi2SetFMUstate of the saved state."""
+        component = self.components[index]
+        return int(component[P.SET_STATE](component[P.INSTANCE], int(self.wiring.states[index])))

@@ -3,7 +3,7 @@ import time
 
 import numpy as np
 
-SPIN_S = 1e-3   # the last bit of a wait is spent awake: sleeping is that inexact
+SPIN_S = 1e-3   # the end of a wait is a busy loop: sleeping is that inexact
 LOOK_S = 0.1
 
 
@@ -16,6 +16,7 @@ class Pace:
         self.late: list[float] = []
 
     def wait(self, simulated: float, interrupted: list[int]) -> None:
+        """Wait until the simulated time (s) is due, or until `interrupted` has an entry."""
         now = time.perf_counter()
         if self.begun is None:
             self.begun = now - simulated / self.factor

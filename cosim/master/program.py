@@ -19,7 +19,7 @@ import numpy as np
 
 SET, PREDICT, SLOPE, STEP, GET, MARK, SAVE, RESTORE = range(8)
 
-# Columns of a wiring's tables, see `wiring`.
+# Columns of the tables `groups` and `components`, and kinds of groups, see `wiring`.
 CALL, POINTER, REFERENCES, COUNT, BUFFER, FIRST, KIND, OWNER, SET_SLOPES, SLOPES, ORDERS = range(11)
 REAL, WHOLE, TEXT = range(3)
 INSTANCE, DO_STEP, GET_STATE, SET_STATE, FREE_STATE, SLOTS_FROM, SLOTS_TO = range(7)
@@ -29,8 +29,10 @@ Row = tuple[int, int, int, int, int]
 
 
 def row(code: int, index: int, period: int = 1, phase: int = 0, reach: int = 1) -> Row:
+    """One row, by default of every tick and over one base step."""
     return (code, index, period, phase, reach)
 
 
 def program(rows: Iterable[Row]) -> np.ndarray:
+    """The rows as an array of whole numbers, shape (rows, 5)."""
     return np.array(list(rows), dtype=np.int64).reshape(-1, 5)

@@ -12,7 +12,7 @@ KEPT_ROWS = 20000       # at least so many are kept in memory of a stream, at mo
 
 
 class Recorder:
-    """Keeps all rows in memory. The loop writes into `room`, then says how much it `took`."""
+    """Keeps all rows in memory. The loop writes into `room`, then calls `took` with the number of rows."""
 
     def __init__(self, columns: list[Signal]):
         self.columns = columns
@@ -26,6 +26,7 @@ class Recorder:
         return self.rows, self.times
 
     def took(self, used: int) -> None:
+        """The loop has written `used` rows into the room: keep them."""
         if used:
             self.keep(self.times[:used].copy(), self.rows[:used].copy())
 
@@ -36,6 +37,7 @@ class Recorder:
         self.took(1)
 
     def keep(self, times: np.ndarray, rows: np.ndarray) -> None:
+        """Keep rows, shape (rows, columns), and their times."""
         self.kept.append((times, rows))
 
     def finish(self) -> tuple[np.ndarray, np.ndarray]:
@@ -45,13 +47,13 @@ class Recorder:
         return np.concatenate(times), np.concatenate(rows)
 
     def abandon(self) -> None:
-        """The run did not even start."""
+        """Close what is open: the run did not start."""
 
 
 class Stream(Recorder):
     """Writes all rows to a Parquet file; keeps every n-th in memory, n growing with the run, for metrics and figures.
 
-    The file has its end when the run has, however it ended.
+    The file is complete when the run ends, for whatever reason.
     """
 
     def __init__(self, columns: list[Signal], path: Path):
@@ -82,6 +84,7 @@ class Stream(Recorder):
             self.stride, self.kept_rows = 2 * self.stride, len(self.kept[0][0])
 
     def flush(self) -> None:
+        """Write the waiting rows to the file."""
         if self.waiting:
             times, rows = (np.concatenate(part) for part in zip(*self.waiting))
             self.waiting, self.waiting_rows = [], 0

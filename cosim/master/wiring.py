@@ -5,8 +5,9 @@ connected or recorded. Inputs are gathered from it, so a connection is an index,
 Texts live beside it, in `texts`.
 
 A group is variables of one component and one type that move in one FMI call; its row in `groups` has the
-function's address, the instance, and where references, values and links are. Addresses are whole numbers, so
-that a compiled loop can call FMUs that were loaded a moment ago.
+function's address, the instance, and where references, values and links are. A component's row in `components`
+has its instance, the addresses of its functions, and the range of its slots. Addresses are whole numbers, so that a
+compiled loop can call FMUs that were loaded a moment ago.
 """
 import ctypes
 from dataclasses import dataclass, field
@@ -46,7 +47,7 @@ class Group:
 
 @dataclass
 class Wiring:
-    """The tables of a system, see above; columns of `groups` and `parts` are named in `program`."""
+    """The tables of a system, see above; columns of `groups` and `components` are named in `program`."""
     columns: list[Signal] = field(default_factory=list)      # what is recorded
     recorded: np.ndarray = field(default_factory=lambda: np.empty(0, np.int64))     # slots of the columns
     slots: list[str] = field(default_factory=list)           # component.variable of each slot
@@ -57,7 +58,7 @@ class Wiring:
     outputs: list[list[Group]] = field(default_factory=list)
     every_group: list[Group] = field(default_factory=list)   # in the order of `groups`
     groups: np.ndarray = field(default_factory=lambda: np.empty((0, 11), np.int64))
-    parts: np.ndarray = field(default_factory=lambda: np.empty((0, 7), np.int64))
+    components: np.ndarray = field(default_factory=lambda: np.empty((0, 7), np.int64))
     where: np.ndarray = field(default_factory=lambda: np.empty(0, np.int64))        # links: slot, factor, offset
     factor: np.ndarray = field(default_factory=lambda: np.empty(0))
     offset: np.ndarray = field(default_factory=lambda: np.empty(0))
@@ -82,7 +83,7 @@ def checked_connections(system: System, files: dict[str, FmuFile]) -> dict[str, 
     """
     targets: dict[str, Connection] = {}
     for link in system.connections:
-        source, target = (part.partition(".") for part in (link.source, link.target))
+        source, target = (end.partition(".") for end in (link.source, link.target))
         if source[0] not in files or files[source[0]].variable(source[2]).causality != "output":
             raise UsageError(f"{link.source} is not an output that a connection can start from.")
         if target[0] not in files or files[target[0]].variable(target[2]).causality != "input":
@@ -98,7 +99,7 @@ def checked_connections(system: System, files: dict[str, FmuFile]) -> dict[str, 
     return targets
 
 
-def picked(system: System, files: dict[str, FmuFile], patterns: list[str] | None) -> set[str]:
+def recorded_names(system: System, files: dict[str, FmuFile], patterns: list[str] | None) -> set[str]:
     """The variables to record: all numeric outputs, or those whose component.variable fits a pattern.
 
     Raises UsageError for a pattern that fits nothing.
@@ -117,7 +118,11 @@ def picked(system: System, files: dict[str, FmuFile], patterns: list[str] | None
 
 
 class Wirer:
-    """Fills a Wiring from files and instances; one use."""
+    """Builds the Wiring of instances: `wire` is called once.
+
+    `targets` has the connection of each connected input, `recorded` the names to record; `apart` puts what is only
+    recorded into groups of its own.
+    """
 
     def __init__(self, instances: list[Instance], targets: dict[str, Connection], recorded: set[str],
                  apart: bool):
@@ -131,6 +136,10 @@ class Wirer:
         self.references: list[int] = []
 
     def wire(self) -> Wiring:
+        """Give every connected or recorded variable its slot, and fill the tables.
+
+        Raises RunError if an FMU lacks a function that it claims.
+        """
         w = self.wiring
         bounds, holder, nominal, smooth = [], [], [], []
         for number, instance in enumerate(self.instances):
@@ -157,6 +166,7 @@ class Wirer:
         return w
 
     def add_groups(self, number: int) -> None:
+        """Add the groups of the component `number`, inputs and outputs of each type."""
         instance, w = self.instances[number], self.wiring
         full = instance.name + "."
         declared = instance.file.description.modelVariables
@@ -182,6 +192,7 @@ class Wirer:
 
     def add_group(self, number: int, verb: str, suffix: str, names: list[str], connected: bool,
                   links: list[tuple[int, float, float]]) -> Group:
+        """Add one group; `links` has slot, factor and offset of each of `names`."""
         instance = self.instances[number]
         group = Group(verb, suffix, number, names, len(self.rows), connected,
                       suffix == "Real" and bool(instance.cosimulation.canInterpolateInputs))
@@ -218,11 +229,11 @@ class Wirer:
             first = int(w.groups[group.number, 5])  # a text input is handed the place where its source is kept
             for i in range(len(group.names)):
                 w.pointers[first + i] = w.texts.ctypes.data + LONGEST_TEXT * int(w.where[first + i])
-        w.parts = np.array([[i.pointer, i.address("fmi2DoStep"), *(
+        w.components = np.array([[i.pointer, i.address("fmi2DoStep"), *(
             i.address(f"fmi2{call}FMUstate") if i.cosimulation.canGetAndSetFMUstate else 0
             for call in ("Get", "Set", "Free")), *span] for i, span in zip(self.instances, bounds)], np.int64)
 
 
 def strncpy_address() -> int:
-    """Where libc's strncpy is: texts that FMUs show are theirs, and are copied at once."""
+    """The address of libc's strncpy. A text output stays the FMU's own, so the loops copy it at once."""
     return ctypes.cast(ctypes.CDLL(None).strncpy, ctypes.c_void_p).value or 0

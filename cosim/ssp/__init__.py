@@ -1,1 +1,8 @@
-"""SSP 1.0 (System Structure and Parameterization): the closed loop written, anybody's system read."""
+"""SSP 1.0 (System Structure and Parameterization): systems written and read.
+
+    write        a system -> an SSP file                load         an SSP file -> a system
+    structure    SystemStructure.ssd as data            connections  connections through nested systems
+    parameters   parameter sets and mappings            units        units and conversions
+    archive, xml zip and XML of unknown origin          simulate     `ahv simulate`
+    notes        what is said on stderr meanwhile
+"""

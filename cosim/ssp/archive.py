@@ -1,4 +1,4 @@
-"""An SSP archive: unpacked with suspicion into a temporary folder, written the same way every time."""
+"""SSP archives: unpacked safely into a temporary folder, and written so that equal contents give equal bytes."""
 import shutil
 import tempfile
 import zipfile
@@ -8,6 +8,7 @@ from pathlib import Path
 
 from ..errors import UsageError
 from ..master.unpack import BadArchive, safe_extract
+from ..master.whole_file import whole
 
 
 @contextmanager
@@ -28,19 +29,17 @@ def unpacked(path: Path) -> Iterator[Path]:
 
 
 def write(path: Path, files: dict[str, bytes]) -> None:
-    """Write `files` as a zip archive at `path`: sorted, dateless, byte for byte reproducible.
+    """Write `files`, name -> content, as a zip archive at `path`: sorted and without dates, so always the same bytes.
 
     Raises UsageError if `path` cannot be written.
     """
-    partial = path.with_name(path.name + ".partial")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        with zipfile.ZipFile(partial, "w", zipfile.ZIP_DEFLATED) as archive:
+        with whole(path) as partial, zipfile.ZipFile(partial, "w", zipfile.ZIP_DEFLATED) as archive:
             for name in sorted(files):
                 entry = zipfile.ZipInfo(name, (1980, 1, 1, 0, 0, 0))
                 entry.compress_type = zipfile.ZIP_DEFLATED
                 entry.external_attr = 0o644 << 16
                 archive.writestr(entry, files[name])
-        partial.replace(path)
     except OSError as error:
         raise UsageError(f"--out {path} cannot be written: {error.strerror}.") from None

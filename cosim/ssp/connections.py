@@ -49,6 +49,7 @@ class Tracer:
             self.incoming[link.end] = link
 
     def at(self, point: Point) -> Traced:
+        """What arrives at `point`. Raises UsageError for a circle, or for units that cannot be converted."""
         path: list[Link] = []
         while point in self.incoming:
             link = self.incoming[point]

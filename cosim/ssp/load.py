@@ -4,13 +4,13 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..errors import UsageError
+from ..errors import UsageError, did_you_mean
 from ..master.fmu import FmuFile
 from ..master.system import Component, Connection, System, Value
 from .archive import unpacked
 from .connections import Tracer
 from .parameters import Given, bound, inside
-from .structure import Path_, Point, Structure, called, nearest, read, shown
+from .structure import ElementPath, Point, Structure, called, read, shown
 from .units import Unit, conversion, unit_of_variable
 from .xml import SSD, parse
 
@@ -44,7 +44,7 @@ def loaded(path: Path) -> Iterator[Loaded]:
             yield assembled(structure, folder, opened(structure, folder, stack))
 
 
-def opened(structure: Structure, folder: Path, stack: ExitStack) -> dict[Path_, FmuFile]:
+def opened(structure: Structure, folder: Path, stack: ExitStack) -> dict[ElementPath, FmuFile]:
     """The FMU of every component, read for what it declares."""
     files: dict[Path, FmuFile] = {}
     found = {}
@@ -60,14 +60,19 @@ def opened(structure: Structure, folder: Path, stack: ExitStack) -> dict[Path_, 
 
 
 def open_fmu(path: Path, source: str) -> FmuFile:
-    """The FMU at `path`, which messages call `source`: where it is unpacked to is nobody's business."""
+    """The FMU at `path`, a temporary place; messages call it `source`. Raises UsageError."""
     try:
         return FmuFile.open(path)
     except UsageError as error:
         raise UsageError(str(error).replace(str(path), source)) from None
 
 
-def assembled(structure: Structure, folder: Path, files: dict[Path_, FmuFile]) -> Loaded:
+def assembled(structure: Structure, folder: Path, files: dict[ElementPath, FmuFile]) -> Loaded:
+    """The system of a structure whose FMUs are open.
+
+    Raises UsageError for connectors, connections or values that do not fit the FMUs.
+
+    """
     check_connectors(structure, files)
 
     def unit_of(point: Point) -> Unit | None:
@@ -104,12 +109,13 @@ def assembled(structure: Structure, folder: Path, files: dict[Path_, FmuFile]) -
                   structure.step or min(declared(files, "stepSize"), default=None), sources, ignored)
 
 
-def flat(path: Path_) -> str:
-    """The name of a component in the master, where a dot ends it."""
+def flat(path: ElementPath) -> str:
+    """The name of a component in the master, which has no dots."""
     return "/".join(path).replace(".", "/")
 
 
 def check_names(components: list[Component]) -> None:
+    """Raises UsageError if two components have the same name in the master."""
     names = [c.name for c in components]
     for name in names:
         if names.count(name) > 1:
@@ -117,6 +123,7 @@ def check_names(components: list[Component]) -> None:
 
 
 def through(value: Value, factor: float, offset: float) -> Value:
+    """A value through a connection's linear transformation."""
     return value if (factor, offset) == (1.0, 0.0) else factor * float(value) + offset
 
 
@@ -130,14 +137,14 @@ def plain(given: Given, file: FmuFile, name: str) -> Given:
     return Given(items[str(given.value)], "Integer")
 
 
-def check_connectors(structure: Structure, files: dict[Path_, FmuFile]) -> None:
+def check_connectors(structure: Structure, files: dict[ElementPath, FmuFile]) -> None:
     """Every connector of a component is a variable of its FMU, of the type and unit that the SSD says."""
     for element in structure.components():
         file = files[element.path]
         for name, connector in element.connectors.items():
             if name not in file.variables:
                 raise UsageError(f"{shown(element.path)} has a connector {name}, but {file.path.name} has no such "
-                                 f"variable{nearest(name, file.variables)}")
+                                 f"variable{did_you_mean(name, file.variables)}")
             variable = file.variables[name]
             if connector.type not in (None, variable.type):
                 raise UsageError(f"{called((element.path, name))} is {connector.type} in {SSD_FILE} and "
@@ -148,7 +155,7 @@ def check_connectors(structure: Structure, files: dict[Path_, FmuFile]) -> None:
                                  f"{own.name} in {file.path.name}.")
 
 
-def declared(files: dict[Path_, FmuFile], attribute: str) -> list[float]:
+def declared(files: dict[ElementPath, FmuFile], attribute: str) -> list[float]:
     """What the FMUs' default experiments say about `attribute`."""
     found = (getattr(file.description.defaultExperiment, attribute, None) for file in files.values())
     return [float(x) for x in found if x]

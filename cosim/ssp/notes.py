@@ -1,6 +1,7 @@
-"""What a reader should know although the run goes on."""
+"""Notes to the user on stderr, about what does not stop a run."""
 import sys
 
 
 def note(text: str) -> None:
+    """Write one line to stderr."""
     print(f"ahv: {text}", file=sys.stderr)

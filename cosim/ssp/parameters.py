@@ -7,13 +7,13 @@ from urllib.parse import unquote, urlsplit
 
 from ..errors import UsageError
 from ..master.system import Value
-from .structure import Element, Path_, Point, Structure, converts, linear, shown, units
+from .structure import Element, ElementPath, Point, Structure, converts, linear, shown, units
 from .units import Unit, conversion
 from .xml import SSD, SSM, SSV, Node, parse, short, valid
 
 LARGEST = 100_000_000  # bytes of a parameter file inside an FMU
 READ: dict[str, Callable[[str], Value]] = {"Real": float, "Integer": int, "Boolean": ("true", "1").__contains__}
-Has = Callable[[Path_, str], bool]
+Has = Callable[[ElementPath, str], bool]
 
 
 @dataclass(frozen=True)
@@ -69,6 +69,7 @@ def document(node: Node, element: Element, folder: Path, root: str) -> Node:
 
 
 def read_member(archive: Path, name: str, what: str) -> bytes:
+    """A member of an archive. Raises UsageError, naming `what`, if it is not there."""
     try:
         with zipfile.ZipFile(archive) as file, file.open(name) as member:
             return member.read(LARGEST + 1)
@@ -123,6 +124,7 @@ def bound(structure: Structure, folder: Path, has: Has) -> tuple[dict[Point, Giv
 
 
 def of_binding(binding: Node, element: Element, folder: Path) -> list[tuple[str, Given]]:
+    """Names and values of a binding, through its mapping if it has one. Raises UsageError for another type."""
     if binding.get("type", "application/x-ssp-parameter-set") != "application/x-ssp-parameter-set":
         raise UsageError(f"A parameter binding of {shown(element.path)} is of type {binding.get('type')}, "
                          f"which is not supported.")
@@ -135,7 +137,7 @@ def of_binding(binding: Node, element: Element, folder: Path) -> list[tuple[str,
     return list(mapped(found, document(mapping, element, folder, SSM + "ParameterMapping")))
 
 
-def resolve(structure: Structure, path: Path_, name: str, has: Has) -> Point | None:
+def resolve(structure: Structure, path: ElementPath, name: str, has: Has) -> Point | None:
     """The variable, or the system's connector, that `name` means seen from the element at `path`."""
     element = structure.elements[path]
     if element.source is not None:

@@ -1,12 +1,12 @@
 """SystemStructure.ssd as plain data: elements by path, connections between their connectors, experiment."""
 from dataclasses import dataclass, field
 
-from ..errors import UsageError
+from ..errors import UsageError, did_you_mean
 from .units import Unit, unit
 from .xml import OSP, SSC, SSD, Node, short
 
-Path_ = tuple[str, ...]         # names from the outermost system, which is (), inwards
-Point = tuple[Path_, str]       # a connector of an element, or a variable of an FMU
+ElementPath = tuple[str, ...]         # names from the outermost system, which is (), inwards
+Point = tuple[ElementPath, str]       # a connector of an element, or a variable of an FMU
 
 FMU_TYPE = "application/x-fmu-sharedlibrary"
 TYPES = ("Real", "Integer", "Boolean", "String", "Enumeration", "Binary")
@@ -14,6 +14,7 @@ TYPES = ("Real", "Integer", "Boolean", "String", "Enumeration", "Binary")
 
 @dataclass(frozen=True)
 class Connector:
+    """A connector: `kind` is input, output, ..., `type` is one of TYPES where it is given."""
     kind: str
     type: str | None
     unit: Unit | None
@@ -22,7 +23,7 @@ class Connector:
 @dataclass(frozen=True)
 class Element:
     """A component (with the source of its FMU) or a system (without)."""
-    path: Path_
+    path: ElementPath
     source: str | None
     connectors: dict[str, Connector]
     bindings: list[Node]
@@ -40,32 +41,38 @@ class Link:
 
 @dataclass
 class Structure:
+    """What a SystemStructure.ssd says; times in s, None where it says nothing."""
     name: str
     start: float | None
     stop: float | None
     step: float | None          # SSP has none; annotations of libcosim and OMSimulator give one
     units: dict[str, Unit]
-    elements: dict[Path_, Element] = field(default_factory=dict)
+    elements: dict[ElementPath, Element] = field(default_factory=dict)
     links: list[Link] = field(default_factory=list)
 
     def components(self) -> list[Element]:
+        """The elements that are FMUs."""
         return [e for e in self.elements.values() if e.source is not None]
 
 
-def shown(path: Path_) -> str:
+def shown(path: ElementPath) -> str:
+    """An element as messages call it."""
     return ".".join(path) or "the system"
 
 
 def called(point: Point) -> str:
+    """A connector or variable as messages call it."""
     return ".".join((*point[0], point[1]))
 
 
 def units(parent: Node, namespace: str) -> dict[str, Unit]:
+    """The units that an element defines, by name."""
     return {node.get("name"): unit(node.get("name"), node.find(f"{SSC}BaseUnit").attrib)
             for node in parent.iterfind(f"{namespace}Units/{SSC}Unit")}
 
 
 def number(node: Node | None, attribute: str) -> float | None:
+    """An attribute as a number; None where the element or the attribute is missing."""
     text = None if node is None else node.get(attribute)
     return None if text is None else float(text)
 
@@ -80,6 +87,7 @@ def linear(node: Node, what: str) -> tuple[float, float]:
 
 
 def converts(node: Node) -> bool:
+    """Whether a connection or mapping converts units."""
     return node.get("suppressUnitConversion", "false") not in ("true", "1")
 
 
@@ -97,7 +105,8 @@ def read(root: Node) -> Structure:
     return structure
 
 
-def read_system(node: Node, path: Path_, structure: Structure) -> None:
+def read_system(node: Node, path: ElementPath, structure: Structure) -> None:
+    """Add a system, with all that is in it, to `structure`. Raises UsageError for what is not supported."""
     add_element(node, path, None, structure)
     for child in node.iterfind(f"{SSD}Elements/*"):
         inner = (*path, child.get("name"))
@@ -113,7 +122,8 @@ def read_system(node: Node, path: Path_, structure: Structure) -> None:
         structure.links.append(read_link(connection, path, structure))
 
 
-def fmu_source(node: Node, path: Path_) -> str:
+def fmu_source(node: Node, path: ElementPath) -> str:
+    """Where a component's FMU is. Raises UsageError unless it is an FMU for co-simulation."""
     if node.get("type", FMU_TYPE) != FMU_TYPE:
         raise UsageError(f"{shown(path)} is of type {node.get('type')}, which is not supported; FMUs ({FMU_TYPE}) are.")
     if node.get("implementation") == "ModelExchange":
@@ -121,7 +131,8 @@ def fmu_source(node: Node, path: Path_) -> str:
     return str(node.get("source"))
 
 
-def add_element(node: Node, path: Path_, source: str | None, structure: Structure) -> None:
+def add_element(node: Node, path: ElementPath, source: str | None, structure: Structure) -> None:
+    """Add a component, or a system (whose `source` is None), to `structure`."""
     connectors = {}
     for connector in node.iterfind(f"{SSD}Connectors/{SSD}Connector"):
         name = connector.get("name")
@@ -135,35 +146,27 @@ def add_element(node: Node, path: Path_, source: str | None, structure: Structur
     structure.elements[path] = Element(path, source, connectors, bindings)
 
 
-def read_link(node: Node, path: Path_, structure: Structure) -> Link:
+def read_link(node: Node, path: ElementPath, structure: Structure) -> Link:
     """A connection of the system at `path`; without an element, an end is a connector of the system itself."""
     start, end = (point_of(node, side, path, structure) for side in ("start", "end"))
     factor, offset = linear(node, f"The connection from {called(start)} to {called(end)}")
     return Link(start, end, factor, offset, converts(node))
 
 
-def point_of(node: Node, side: str, path: Path_, structure: Structure) -> Point:
+def point_of(node: Node, side: str, path: ElementPath, structure: Structure) -> Point:
     """One end of a connection. Raises UsageError if nothing may start, or end, there."""
     name, connector = node.get(f"{side}Element"), node.get(f"{side}Connector")
     inner = (*path, name) if name else path
     if inner not in structure.elements:
         raise UsageError(f"A connection of {shown(path)} {side}s at {name}, which is no element of it"
-                         f"{nearest(name, [p[-1] for p in structure.elements if p[:-1] == path and p])}")
+                         f"{did_you_mean(name, [p[-1] for p in structure.elements if p[:-1] == path and p])}")
     known = structure.elements[inner].connectors
     if connector not in known:
         raise UsageError(f"A connection {side}s at the connector {connector}, which {shown(inner)} does not have"
-                         f"{nearest(connector, known)}")
+                         f"{did_you_mean(connector, known)}")
     kind = known[connector].kind
     # A system's own input is a source inside it; an element's input is a target.
     wanted = "input" if (side == "end") == bool(name) else "output"
     if kind in ("input", "output") and kind != wanted:
         raise UsageError(f"A connection {side}s at {called((inner, connector))}, which is an {kind}.")
     return inner, connector
-
-
-def nearest(word: str, known: object) -> str:
-    """The end of a sentence: the known word most like `word`, if there is one."""
-    from difflib import get_close_matches
-
-    near = get_close_matches(word, list(known), 1, 0.4)  # type: ignore[call-overload]
-    return f"; did you mean {near[0]}?" if near else "."

@@ -26,6 +26,7 @@ def unit(name: str, base: Mapping[str, Any] | None) -> Unit:
 
 
 def unit_of_variable(description: ModelDescription, variable: ScalarVariable) -> Unit | None:
+    """The unit of an FMU's variable, its own or its type's; None without one."""
     name = variable.unit or getattr(variable.declaredType, "unit", None)
     if not name:
         return None

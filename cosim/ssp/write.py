@@ -40,15 +40,18 @@ def write(path: Path, name: str, system: System, step: float, stop: float) -> No
 
 
 def parameter_file(component: Component) -> str:
+    """The parameter set of a component, by its place in the archive."""
     return f"resources/{component.name}.ssv"
 
 
 def document(tag: str, prefixes: Iterable[str], name: str) -> Element:
+    """The root element of a document with the given namespace prefixes."""
     return Element(tag, {**{f"xmlns:{p}": PREFIXES[f"xmlns:{p}"] for p in prefixes},
                          "version": "1.0", "name": name, "generationTool": TOOL})
 
 
 def description(name: str, system: System, files: dict[str, FmuFile], step: float, stop: float) -> bytes:
+    """SystemStructure.ssd of a system; `step` and `stop` in s."""
     identifier = re.sub(r"\W", "_", name, flags=re.ASCII)
     root = document("ssd:SystemStructureDescription", ("ssd", "ssc", "ssv", "osp", "oms"), identifier)
     parent = SubElement(root, "ssd:System", name=identifier)
@@ -104,6 +107,7 @@ def add_component(parent: Element, component: Component, file: FmuFile, units: d
 
 
 def add_units(root: Element, units: dict[str, Unit]) -> None:
+    """Add the definitions of `units`."""
     if not units:
         return
     parent = SubElement(root, "ssd:Units")
@@ -118,6 +122,7 @@ def add_units(root: Element, units: dict[str, Unit]) -> None:
 
 
 def parameter_set(name: str, component: Component, file: FmuFile) -> bytes:
+    """The values of a component as a parameter set. Raises UsageError for one that does not fit."""
     root = document("ssv:ParameterSet", ("ssv",), name)
     parent = SubElement(root, "ssv:Parameters")
     for key, given in component.values.items():
@@ -128,9 +133,11 @@ def parameter_set(name: str, component: Component, file: FmuFile) -> bytes:
 
 
 def text(value: Value) -> str:
+    """A value as XML writes it."""
     return str(value).lower() if isinstance(value, bool) else str(value)
 
 
 def xml(root: Element) -> bytes:
+    """A document as bytes."""
     indent(root)
     return b'<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root, encoding="utf-8") + b"\n"

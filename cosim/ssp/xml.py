@@ -1,4 +1,4 @@
-"""The XML files of an SSP, parsed with suspicion and validated against the standard's schemas."""
+"""The XML files of an SSP: parsed without document types, and validated against the standard's schemas."""
 import re
 from functools import cache
 from pathlib import Path
@@ -28,6 +28,7 @@ Node = Any             # an lxml element
 
 @cache
 def schema(name: str) -> Any:
+    """One of the standard's schemas, as fmpy ships them."""
     return etree.XMLSchema(etree.parse(str(Path(fmpy.__file__).parent / "ssp" / "schema" / name)))
 
 
@@ -64,13 +65,13 @@ def valid(node: Node, where: str, root: str) -> Node:
 
 
 def harmless(error: Any) -> bool:
-    """Whether an error can be passed over: tools write attributes that the standard has not, and empty lists."""
+    """Whether an error can be ignored: tools write attributes that are not in the standard, and empty lists."""
     empty = re.match(r"Element '\{.*\}(\w+)': Missing child", error.message)
     return error.type_name == "SCHEMAV_CVC_COMPLEX_TYPE_3_2_1" or bool(empty and empty[1] in LISTS)
 
 
 def refuse_document_type(data: bytes, where: str) -> None:
-    """No SSP needs a document type; entities that grow without bound are declared in one."""
+    """Raises UsageError for a document type, which no SSP needs and in which entities can grow without bound."""
     def refuse(*_: Any) -> None:
         raise UsageError(f"{where} declares a document type (DOCTYPE), which no file of an SSP needs; it is not read.")
 

@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 
 from cosim.campaign.criteria import holds, parse
-from cosim.campaign.sampling import Sampler, mixing, picked, quantile
+from cosim.campaign.sampling import Sampler, keeps_signals, mixing, quantile
 from cosim.campaign.spec import Choice, Correlation, LogNormal, Normal, Uniform
 
 UNIFORM = Uniform(distribution="uniform", low=-2, high=6)
@@ -62,9 +62,9 @@ def test_correlated_draws_keep_their_own_distribution(coefficient):
 
 
 def test_the_share_of_runs_with_signals_is_chosen_by_run():
-    chosen = [picked(1, k, 0.2) for k in range(2000)]
-    assert 340 < sum(chosen) < 460 and chosen == [picked(1, k, 0.2) for k in range(2000)]
-    assert not any(picked(1, k, 0.0) for k in range(50)) and all(picked(1, k, 1.0) for k in range(50))
+    chosen = [keeps_signals(1, k, 0.2) for k in range(2000)]
+    assert 340 < sum(chosen) < 460 and chosen == [keeps_signals(1, k, 0.2) for k in range(2000)]
+    assert not any(keeps_signals(1, k, 0.0) for k in range(50)) and all(keeps_signals(1, k, 1.0) for k in range(50))
 
 
 METRICS = {"altitude_error_ft.max_abs": 5.0, "elevator_deg.min": -3.0, "fuel_ratio.max": 0.0}

@@ -2,16 +2,17 @@
 
 An algorithm is a class with
     OPTIONS                    its options: name -> (default, how a word is read)
-    __init__(master, options, plan)   raises UsageError if the FMUs cannot do what it needs
-    advance(most)              at most `most` ticks on; rows go to the plan's recorder; raises RunError
-    time, ticks, done          where it is, how many steps that took, and whether it is the plan's stop
+    __init__(master, options, experiment)   raises UsageError if the FMUs cannot do what it needs
+    advance(most)              takes at most `most` steps; rows go to the experiment's recorder; raises RunError
+    time, ticks, done          the simulated time, the steps taken, and whether the experiment's stop is reached
 """
 from dataclasses import dataclass, field
-from difflib import get_close_matches
 from importlib import import_module
 from typing import Any
 
-from ...errors import UsageError
+from ...errors import UsageError, nearest
+from .base import Algorithm
+from .options import whole
 
 ALGORITHMS = {
     "gauss-seidel": ("gauss_seidel", "GaussSeidel"),
@@ -29,9 +30,11 @@ class Method:
     options: dict[str, Any] = field(default_factory=dict)
 
     @property
-    def algorithm(self) -> Any:
+    def algorithm(self) -> type[Algorithm]:
+        """The class that carries it out."""
         file, kind = ALGORITHMS[self.name]
-        return getattr(import_module(f".{file}", __package__), kind)
+        found: type[Algorithm] = getattr(import_module(f".{file}", __package__), kind)
+        return found
 
 
 def method(word: str) -> Method:
@@ -41,8 +44,8 @@ def method(word: str) -> Method:
     """
     name, *pairs = word.split(",")
     if name not in ALGORITHMS:
-        near = get_close_matches(name, ALGORITHMS, 1)
-        hint = f" Did you mean {near[0]}?" if near else ""
+        near = nearest(name, ALGORITHMS)
+        hint = f" Did you mean {near}?" if near else ""
         raise UsageError(f"--algorithm {name} is not known; there are {', '.join(ALGORITHMS)}.{hint}")
     known = Method(name).algorithm.OPTIONS
     options = {key: default for key, (default, _) in known.items()}
@@ -60,30 +63,3 @@ def method(word: str) -> Method:
             raise UsageError(f"--algorithm {word}: {value} is no value for {key}.") from None
         (options if key in known else rates)[key] = read
     return Method(name, {**options, **({"rates": rates} if "rates" in known else {})})
-
-
-def whole(word: str) -> int:
-    """A whole number from 1 on."""
-    if int(word) < 1:
-        raise ValueError
-    return int(word)
-
-
-def positive(word: str) -> float:
-    if not 0 < float(word) < float("inf"):
-        raise ValueError
-    return float(word)
-
-
-def linear(word: str) -> bool:
-    """How inputs are held through a step: constant, or by their last slope."""
-    return {"constant": False, "linear": True}[word]
-
-
-def names(word: str) -> list[str]:
-    """Components in an order, joined by +."""
-    return word.split("+")
-
-
-HOLD = {"hold": (False, linear)}
-ORDER: dict[str, Any] = {"order": (None, names)}

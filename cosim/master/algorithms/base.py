@@ -1,6 +1,6 @@
-"""What the algorithms' programs are made of, and how a program of fixed ticks is flown."""
+"""What all algorithms share: the experiment, pieces of programs, and programs that are the same on every tick."""
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar, Protocol
 
 from ...errors import UsageError
 from .. import program as P
@@ -8,6 +8,8 @@ from ..dependencies import step_order
 from ..loaded import Master
 from ..program import Row, row
 from ..recording import Recorder
+from ..wiring import Group
+from .options import Options
 
 
 @dataclass
@@ -21,37 +23,59 @@ class Experiment:
 
     @property
     def stop(self) -> float:
+        """The end, s."""
         return self.start + self.ticks * self.step
 
 
-def inputs(master: Master, part: int, hold: bool, period: int = 1) -> list[Row]:
+class Algorithm(Protocol):
+    """What every algorithm offers; see the package."""
+    OPTIONS: ClassVar[Options]
+    ticks: int
+
+    def __init__(self, master: Master, options: dict[str, Any], experiment: Experiment) -> None: ...
+
+    @property
+    def time(self) -> float:
+        """The simulated time, s."""
+
+    @property
+    def done(self) -> bool:
+        """Whether the experiment's stop is reached."""
+
+    def advance(self, most: int) -> None:
+        """Take at most `most` steps. Raises RunError if an FMU refuses one."""
+
+
+def inputs(master: Master, component: int, hold: bool, period: int = 1) -> list[Row]:
     """Give a component its inputs for a step of `period` ticks: as they are, or on their last slope."""
-    def code(group: Any) -> int:
+    def code(group: Group) -> int:
         return P.SET if not hold or group.suffix != "Real" else P.SLOPE if group.interpolates else P.PREDICT
-    return [row(code(g), g.number, period, 0, period) for g in master.wiring.inputs[part]]
+    return [row(code(g), g.number, period, 0, period) for g in master.wiring.inputs[component]]
 
 
-def step(part: int, period: int = 1) -> Row:
-    return row(P.STEP, part, period, 0, period)
+def step(component: int, period: int = 1) -> Row:
+    """One fmi2DoStep of a component, over `period` ticks."""
+    return row(P.STEP, component, period, 0, period)
 
 
-def outputs(master: Master, part: int, hold: bool, decimate: int = 1, period: int = 1) -> list[Row]:
+def outputs(master: Master, component: int, hold: bool, decimate: int = 1, period: int = 1) -> list[Row]:
     """Read what others need, and on recorded ticks what is only to be recorded."""
-    def when(group: Any) -> tuple[int, int]:
+    def when(group: Group) -> tuple[int, int]:
         return (period, 0) if period > 1 or group.connected or decimate == 1 else (decimate, decimate - 1)
-    marks = [row(P.MARK, part, period, 0, period)] if hold else []
-    return marks + [row(P.GET, g.number, *when(g)) for g in master.wiring.outputs[part]]
+    marks = [row(P.MARK, component, period, 0, period)] if hold else []
+    return marks + [row(P.GET, g.number, *when(g)) for g in master.wiring.outputs[component]]
 
 
-def turn(master: Master, part: int, hold: bool, decimate: int = 1, period: int = 1) -> list[Row]:
+def turn(master: Master, component: int, hold: bool, decimate: int = 1, period: int = 1) -> list[Row]:
     """A component's whole share of a tick: inputs, step, outputs."""
-    return [*inputs(master, part, hold, period), step(part, period), *outputs(master, part, hold, decimate, period)]
+    return [*inputs(master, component, hold, period), step(component, period),
+            *outputs(master, component, hold, decimate, period)]
 
 
 def chosen_order(master: Master, order: list[str] | None) -> list[int]:
-    """The numbers of the components in the wished order; without one, in that of the declared dependencies.
+    """The numbers of the components in the given order; without one, in that of the declared dependencies.
 
-    Raises UsageError if the wish is not exactly the components.
+    Raises UsageError unless `order` names each component once.
     """
     if order is None:
         return [master.number[n] for group in step_order(master.system, master.files, master.targets) for n in group]
@@ -61,7 +85,7 @@ def chosen_order(master: Master, order: list[str] | None) -> list[int]:
 
 
 def need_states(master: Master, algorithm: str) -> None:
-    """UsageError naming the components that cannot step back."""
+    """Raises UsageError, naming the components, if some cannot save and restore their state."""
     lacking = master.cannot_save()
     if lacking:
         raise UsageError(f"--algorithm {algorithm} steps back, and {', '.join(lacking)} cannot: "
@@ -69,40 +93,44 @@ def need_states(master: Master, algorithm: str) -> None:
 
 
 class Even:
-    """What flies in ticks of equal length: where it is, and whether it has arrived."""
-    plan: Experiment
+    """An algorithm whose ticks are equally long."""
+    experiment: Experiment
     ticks: int
 
     @property
     def time(self) -> float:
-        return self.plan.start + self.ticks * self.plan.step
+        """The simulated time, s."""
+        return self.experiment.start + self.ticks * self.experiment.step
 
     @property
     def done(self) -> bool:
-        return self.ticks == self.plan.ticks
+        """Whether the experiment's stop is reached."""
+        return self.ticks == self.experiment.ticks
 
 
 class Fixed(Even):
-    """Flies a program that is the same on every tick. A discarded step ends the run: nothing is taken back."""
+    """An algorithm with the same program on every tick. A discarded step ends the run: no step is taken back."""
 
-    def __init__(self, master: Master, plan: Experiment):
-        self.master, self.plan, self.ticks = master, plan, 0
-        self.ops = P.program(self.rows(plan.decimate))
+    def __init__(self, master: Master, experiment: Experiment):
+        self.master, self.experiment, self.ticks = master, experiment, 0
+        self.ops = P.program(self.rows(experiment.decimate))
         self.last_ops = P.program(self.rows(1))  # the last tick is recorded whatever its number
 
     def rows(self, decimate: int) -> list[Row]:
+        """The program of one tick when every `decimate`-th is recorded."""
         raise NotImplementedError
 
     def advance(self, most: int) -> None:
-        plan = self.plan
-        odd = plan.ticks % plan.decimate != 0
-        count = min(most, plan.ticks - self.ticks - odd)
-        ops, decimate = self.ops, plan.decimate
+        """Take at most `most` steps. Raises RunError if an FMU refuses one."""
+        experiment = self.experiment
+        odd = experiment.ticks % experiment.decimate != 0
+        count = min(most, experiment.ticks - self.ticks - odd)
+        ops, decimate = self.ops, experiment.decimate
         if count == 0:
             ops, count, decimate = self.last_ops, 1, 1
-        rows, times = plan.recorder.room(count // decimate + 1)
+        rows, times = experiment.recorder.room(count // decimate + 1)
         self.master.cursor[:3] = self.ticks, 0, 0
-        status = self.master.attempt(ops, self.ticks, count, plan.start, plan.step, rows, times, decimate)
+        status = self.master.attempt(ops, self.ticks, count, experiment.start, experiment.step, rows, times, decimate)
         self.ticks = self.ticks + count if status == 0 else int(self.master.cursor[0])
-        plan.recorder.took(int(self.master.cursor[2]))
-        self.master.check(status, ops, plan.start, plan.step)
+        experiment.recorder.took(int(self.master.cursor[2]))
+        self.master.check(status, ops, experiment.start, experiment.step)

@@ -6,20 +6,21 @@ Order 1 in the step; what comes later in the tick gets inputs from the step's en
 than Jacobi's. hold=linear as in `jacobi`; inputs from components that have stepped already are interpolated.
 A discarded step ends the run: those before it in the tick have stepped already.
 """
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from ..loaded import Master
 from ..program import Row
-from . import HOLD, ORDER
 from .base import Experiment, Fixed, chosen_order, turn
+from .options import HOLD, ORDER, Options
 
 
 class GaussSeidel(Fixed):
-    OPTIONS: ClassVar = {**HOLD, **ORDER}
+    """One component after the other: inputs, step, outputs."""
+    OPTIONS: ClassVar[Options] = {**HOLD, **ORDER}
 
-    def __init__(self, master: Master, options: dict, plan: Experiment):
+    def __init__(self, master: Master, options: dict[str, Any], experiment: Experiment):
         self.hold, self.order = options["hold"], chosen_order(master, options["order"])
-        super().__init__(master, plan)
+        super().__init__(master, experiment)
 
     def rows(self, decimate: int) -> list[Row]:
         return [r for i in self.order for r in turn(self.master, i, self.hold, decimate)]

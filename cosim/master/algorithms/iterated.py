@@ -9,7 +9,7 @@ Needs of an FMU: canGetAndSetFMUstate, of those in a loop. Ends when no connecte
 `tolerance` of its nominal (or own) size; after `passes` without that, the run ends with an error that names them.
 A discarded step ends the run, as the step cannot be made shorter.
 """
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -18,50 +18,53 @@ from .. import program as P
 from ..dependencies import looped, step_order, value_needs
 from ..loaded import Master
 from ..program import row
-from . import HOLD, positive, whole
 from .base import Even, Experiment, inputs, outputs, step, turn
+from .options import HOLD, Options, positive, whole
 
 
 class Iterated(Even):
-    OPTIONS: ClassVar = {**HOLD, "tolerance": (1e-10, positive), "passes": (50, whole)}
+    """Gauss-Seidel that repeats the steps of each algebraic loop until its signals agree."""
+    OPTIONS: ClassVar[Options] = {**HOLD, "tolerance": (1e-10, positive), "passes": (50, whole)}
 
-    def __init__(self, master: Master, options: dict, plan: Experiment):
-        self.master, self.plan, self.ticks = master, plan, 0
+    def __init__(self, master: Master, options: dict[str, Any], experiment: Experiment):
+        self.master, self.experiment, self.ticks = master, experiment, 0
         self.tolerance, self.passes, hold = options["tolerance"], options["passes"], options["hold"]
         self.blocks: list[tuple[np.ndarray, np.ndarray | None, np.ndarray]] = []  # first pass, further ones, slots
         w = master.wiring
         lacking = set(master.cannot_save())
         loops = looped(value_needs(master.system, master.files, master.targets))
         for group in step_order(master.system, master.files, master.targets):
-            parts = [master.number[name] for name in group]
-            once = [r for i in parts for r in turn(master, i, hold)]
+            members = [master.number[name] for name in group]
+            once = [r for i in members for r in turn(master, i, hold)]
             if not loops & set(group):
                 self.blocks.append((P.program(once), None, np.empty(0, np.int64)))
                 continue
             if lacking & set(group):
                 raise UsageError(f"--algorithm iterated repeats steps, and {', '.join(sorted(lacking & set(group)))} "
                                  f"cannot: the FMU does not claim canGetAndSetFMUstate.")
-            again = [r for i in parts for r in
+            repeat = [r for i in members for r in
                      (row(P.RESTORE, i), *inputs(master, i, hold), step(i), *outputs(master, i, False))]
-            self.blocks.append((P.program([*(row(P.SAVE, i) for i in parts), *once]), P.program(again),
-                                w.sources[np.isin(w.holder[w.sources], parts)]))
+            self.blocks.append((P.program([*(row(P.SAVE, i) for i in members), *once]), P.program(repeat),
+                                w.sources[np.isin(w.holder[w.sources], members)]))
 
     def advance(self, most: int) -> None:
-        plan, master = self.plan, self.master
-        for _ in range(min(most, plan.ticks - self.ticks)):
-            for once, again, slots in self.blocks:
-                master.run(once, self.ticks, 1, plan.start, plan.step)
-                if again is not None:
-                    self.settle(again, slots)
+        """Take at most `most` steps. Raises RunError if an FMU refuses one, or a loop does not converge."""
+        experiment, master = self.experiment, self.master
+        for _ in range(min(most, experiment.ticks - self.ticks)):
+            for once, repeat, slots in self.blocks:
+                master.run(once, self.ticks, 1, experiment.start, experiment.step)
+                if repeat is not None:
+                    self.settle(repeat, slots)
             self.ticks += 1
-            if self.ticks % plan.decimate == 0 or self.done:
-                plan.recorder.add(self.time, master.row())
+            if self.ticks % experiment.decimate == 0 or self.done:
+                experiment.recorder.add(self.time, master.row())
 
-    def settle(self, again: np.ndarray, slots: np.ndarray) -> None:
-        w, plan = self.master.wiring, self.plan
+    def settle(self, repeat: np.ndarray, slots: np.ndarray) -> None:
+        """Repeat the step until the signals at `slots` change no more. Raises RunError after `passes` of them."""
+        w, experiment = self.master.wiring, self.experiment
         for _ in range(self.passes):
             before = w.signals[slots]
-            self.master.run(again, self.ticks, 1, plan.start, plan.step)
+            self.master.run(repeat, self.ticks, 1, experiment.start, experiment.step)
             after = w.signals[slots]
             calm = np.abs(after - before) <= self.tolerance * np.maximum(np.abs(after), w.nominal[slots])
             if np.all(calm):

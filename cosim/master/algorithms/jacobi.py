@@ -7,23 +7,24 @@ else the value expected halfway is held): order 2 where the connected outputs ar
 directly on inputs they still show the inputs that were held, and the order stays 1.
 A discarded step ends the run: the others have stepped already.
 """
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from ..loaded import Master
 from ..program import Row
-from . import HOLD
 from .base import Experiment, Fixed, inputs, outputs, step
+from .options import HOLD, Options
 
 
 class Jacobi(Fixed):
-    OPTIONS: ClassVar = HOLD
+    """All inputs, then all steps, then all outputs."""
+    OPTIONS: ClassVar[Options] = HOLD
 
-    def __init__(self, master: Master, options: dict, plan: Experiment):
+    def __init__(self, master: Master, options: dict[str, Any], experiment: Experiment):
         self.hold = options["hold"]
-        super().__init__(master, plan)
+        super().__init__(master, experiment)
 
     def rows(self, decimate: int) -> list[Row]:
-        parts = range(len(self.master.instances))
-        return [*(r for i in parts for r in inputs(self.master, i, self.hold)),
-                *(step(i) for i in parts),
-                *(r for i in parts for r in outputs(self.master, i, self.hold, decimate))]
+        components = range(len(self.master.instances))
+        return [*(r for i in components for r in inputs(self.master, i, self.hold)),
+                *(step(i) for i in components),
+                *(r for i in components for r in outputs(self.master, i, self.hold, decimate))]

@@ -8,28 +8,29 @@ Needs of an FMU: that it accepts its own step. Order 1 in the slowest step, as `
 ticks must be a multiple of every rate. A discarded step ends the run.
 """
 from math import lcm
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from ...errors import UsageError
 from ..loaded import Master
 from ..program import Row
-from . import HOLD, ORDER
 from .base import Experiment, Fixed, chosen_order, turn
+from .options import HOLD, ORDER, Options
 
 
 class MultiRate(Fixed):
-    OPTIONS: ClassVar = {**HOLD, **ORDER, "rates": ({}, None)}
+    """Gauss-Seidel with a period, in ticks, for each component."""
+    OPTIONS: ClassVar[Options] = {**HOLD, **ORDER, "rates": ({}, None)}
 
-    def __init__(self, master: Master, options: dict, plan: Experiment):
+    def __init__(self, master: Master, options: dict[str, Any], experiment: Experiment):
         self.hold, self.order, rates = options["hold"], chosen_order(master, options["order"]), options["rates"]
         for name in set(rates) - set(master.number):
             raise UsageError(f"--algorithm multi-rate: there is no component {name}; "
                              f"there are {', '.join(master.number)}.")
-        if plan.ticks % lcm(*rates.values()):
-            raise UsageError(f"--algorithm multi-rate: {plan.ticks} ticks are not a whole number of steps for all of "
-                             f"{', '.join(f'{n}={k}' for n, k in rates.items())}.")
+        if experiment.ticks % lcm(*rates.values()):
+            raise UsageError(f"--algorithm multi-rate: {experiment.ticks} ticks are not a whole number of steps for "
+                             f"all of {', '.join(f'{n}={k}' for n, k in rates.items())}.")
         self.periods = {master.number[name]: period for name, period in rates.items()}
-        super().__init__(master, plan)
+        super().__init__(master, experiment)
 
     def rows(self, decimate: int) -> list[Row]:
         return [r for i in self.order for r in turn(self.master, i, self.hold, decimate, self.periods.get(i, 1))]

@@ -12,7 +12,7 @@ Needs of an FMU: canGetAndSetFMUstate and canHandleVariableCommunicationStepSize
 with hold=linear (the default) 2 where connected outputs are states. A discarded step is taken back and tried at SHRINK
 of its length; below SHORTEST of the first step the run ends with the FMU's own words.
 """
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -22,28 +22,30 @@ from ..dependencies import value_needs
 from ..fmu import DISCARD
 from ..loaded import NO_ROWS, NO_TIMES, Master
 from ..program import row
-from . import ORDER, linear, positive
 from .base import Experiment, chosen_order, need_states, turn
+from .options import ORDER, Options, linear, positive
 
 MOST_STEPS, SHORTEST = 100, 1e-6  # times the first step
 SAFETY, SHRINK, GROW = 0.9, 0.2, 3.0
 
 
 class Variable:
-    OPTIONS: ClassVar = {"tolerance": (1e-6, positive), "hold": (True, linear), **ORDER}
+    """Gauss-Seidel with a step that the estimated error sets."""
+    OPTIONS: ClassVar[Options] = {"tolerance": (1e-6, positive), "hold": (True, linear), **ORDER}
 
-    def __init__(self, master: Master, options: dict, plan: Experiment):
+    def __init__(self, master: Master, options: dict[str, Any], experiment: Experiment):
         need_states(master, "variable")
         for instance in master.instances:
             if not instance.cosimulation.canHandleVariableCommunicationStepSize:
                 raise UsageError(f"--algorithm variable needs steps of any length, and {instance.name} does not claim "
                                  f"canHandleVariableCommunicationStepSize.")
-        self.master, self.plan, self.time, self.step, self.ticks = master, plan, plan.start, plan.step, 0
+        self.master, self.experiment, self.ticks = master, experiment, 0
+        self.time, self.step = experiment.start, experiment.step
         self.tolerance, hold = options["tolerance"], options["hold"]
-        parts = chosen_order(master, options["order"])
-        self.ops = P.program(r for i in parts for r in turn(master, i, hold))
-        self.save = P.program(row(P.SAVE, i) for i in parts)
-        self.restore = P.program(row(P.RESTORE, i) for i in parts)
+        order = chosen_order(master, options["order"])
+        self.ops = P.program(r for i in order for r in turn(master, i, hold))
+        self.save = P.program(row(P.SAVE, i) for i in order)
+        self.restore = P.program(row(P.RESTORE, i) for i in order)
         w = master.wiring
         needs = value_needs(master.system, master.files, master.targets)
         smooth = [s for s in w.sources if w.smooth[s]]
@@ -51,38 +53,41 @@ class Variable:
         self.slots = np.array(states or smooth, np.int64)
         followed = all(g.interpolates for groups in w.inputs for g in groups if g.suffix == "Real")
         second = hold and (followed or len(states) == len(smooth))
-        self.power = 1 / 3 if second else 1 / 2  # one over the local error's order
+        self.power: float = 1 / 3 if second else 1 / 2  # one over the local error's order
+        self.failed: float = SHRINK ** (-1 / self.power)  # an error for which the next step is SHRINK as long
 
     @property
     def done(self) -> bool:
-        return self.time >= self.plan.stop
+        """Whether the experiment's stop is reached."""
+        return self.time >= self.experiment.stop
 
     def advance(self, most: int) -> None:
+        """Take at most `most` steps. Raises RunError if an FMU refuses one that cannot be made shorter."""
         for _ in range(most):
             if self.done:
                 return
             self.take()
-            if self.ticks % self.plan.decimate == 0 or self.done:
-                self.plan.recorder.add(self.time, self.master.row())
+            if self.ticks % self.experiment.decimate == 0 or self.done:
+                self.experiment.recorder.add(self.time, self.master.row())
 
     def take(self) -> None:
         """One step that is good enough."""
-        master, plan = self.master, self.plan
+        master, experiment = self.master, self.experiment
         begun = master.snapshot()
         master.run(self.save, 0, 1, self.time, 0.0)
         while True:
-            left = plan.stop - self.time
+            left = experiment.stop - self.time
             last = self.step >= left * (1 - 1e-9)
             step = left if last else self.step if self.step < 0.5 * left else 0.5 * left  # no sliver at the end
             error = self.error(step, begun)
             factor = GROW if error == 0 else SAFETY * error ** -self.power
             self.step = step * min(max(factor, SHRINK), GROW)
-            self.step = min(self.step, MOST_STEPS * plan.step)
+            self.step = min(self.step, MOST_STEPS * experiment.step)
             if error <= 1:
-                self.time = plan.stop if last else self.time + step
+                self.time = experiment.stop if last else self.time + step
                 self.ticks += 1
                 return
-            if self.step < SHORTEST * plan.step:
+            if self.step < SHORTEST * experiment.step:
                 raise RunError(f"The step from t = {self.time:.6g} s cannot be made short enough for a tolerance of "
                                f"{self.tolerance:g}: it is below {self.step:.3g} s.")
             master.run(self.restore, 0, 1, self.time, 0.0)
@@ -92,23 +97,23 @@ class Variable:
         """Take the step whole, step back, take it in halves; the estimated error over the allowed one."""
         master, w = self.master, self.master.wiring
         if not self.attempt(1, step):
-            return SHRINK ** (-1 / self.power)
+            return self.failed
         whole = w.signals[self.slots]
         master.run(self.restore, 0, 1, self.time, 0.0)
         master.put_back(begun)
         if not self.attempt(2, step / 2):
-            return SHRINK ** (-1 / self.power)
+            return self.failed
         halves = w.signals[self.slots]
         allowed = self.tolerance * np.maximum(np.abs(halves), w.nominal[self.slots])
         ratio = np.abs(whole - halves) / (2 ** (1 / self.power - 1) - 1) / allowed
         worst = float(np.max(ratio, initial=0.0))
-        return worst if np.isfinite(worst) else SHRINK ** (-1 / self.power)
+        return worst if np.isfinite(worst) else self.failed
 
     def attempt(self, count: int, step: float) -> bool:
         """Take `count` steps; False if an FMU discards one and a shorter one may be tried."""
         master = self.master
         status = master.attempt(self.ops, 0, count, self.time, step, NO_ROWS, NO_TIMES, 0)
         discarded = status == DISCARD and self.ops[master.cursor[1], 0] == P.STEP
-        if not (discarded and step * SHRINK > SHORTEST * self.plan.step):
+        if not (discarded and step * SHRINK > SHORTEST * self.experiment.step):
             master.check(status, self.ops, self.time, step)
         return status == 0

@@ -1,30 +1,38 @@
-"""A campaign file as text: what it says, and on which line."""
+"""A YAML file with line numbers, so that what is wrong in it is said by file, line and field.
+
+    source = Source(Path("case.yaml"), "scenario file")
+    scenario = source.load(Scenario)               # a pydantic model
+    with source.at("set", "plant.mass"):           # UsageError and ValueError in here are on that line
+        check(scenario)
+"""
 from collections.abc import Iterator
 from contextlib import contextmanager
-from difflib import get_close_matches
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any, NoReturn, TypeVar
 
 import yaml
-from pydantic import ValidationError
+from pydantic import BaseModel, ValidationError
 
-from ..errors import UsageError
-from .spec import Campaign
+from .errors import UsageError, nearest
 
 Place = tuple[str | int, ...]  # keys and indices from the top
+Model = TypeVar("Model", bound=BaseModel)
 
 
 class Located(UsageError):
-    """One that names its line already."""
+    """A UsageError whose message has file and line already."""
 
 
 class Source:
-    """A YAML file; complaints name the line and the field."""
+    """The YAML file at `path`, which messages call `what`.
 
-    def __init__(self, path: Path):
+    Raises UsageError if there is none, if it is not YAML, or if a key is given twice.
+    """
+
+    def __init__(self, path: Path, what: str = "file"):
         self.path = path
         if not path.is_file():
-            raise UsageError(f"There is no campaign file {path}.")
+            raise UsageError(f"There is no {what} {path}.")
         try:
             text = path.read_text()
             self.root = yaml.compose(text, Loader=yaml.SafeLoader)
@@ -41,7 +49,7 @@ class Source:
             raise UsageError(f"{path} is not YAML: {' '.join(str(error).split())}") from None
 
     def check_keys(self, node: Any, place: Place = (), above: tuple[int, ...] = ()) -> None:
-        """A key given twice would silently win over the first; an anchor inside itself has no end."""
+        """Raises UsageError for a key given twice, which YAML lets win silently, and for an anchor inside itself."""
         if id(node) in above:
             self.fail(place, "it contains itself")
         if isinstance(node, yaml.MappingNode):
@@ -59,7 +67,7 @@ class Source:
                 self.check_keys(child, (*place, i), (*above, id(node)))
 
     def find(self, place: Place) -> tuple[int, Place]:
-        """(line of the nearest thing at or above `place` that is in the file, the parts of `place` that are keys)."""
+        """(line, keys) of `place`, or of as much of it as is in the file."""
         node, line, known = self.root, 1, []
         for part in place:
             if isinstance(node, yaml.MappingNode):
@@ -75,6 +83,7 @@ class Source:
         return line, tuple(known)
 
     def fail(self, place: Place, message: str) -> NoReturn:
+        """Raises UsageError "FILE, line N: FIELD: MESSAGE" for the field at `place`."""
         line, known = self.find(place)
         field = ".".join(map(str, known))
         end = "" if message.endswith("?") else "."
@@ -83,7 +92,7 @@ class Source:
 
     @contextmanager
     def at(self, *place: str | int) -> Iterator[None]:
-        """What is complained of inside is on the line of `place`."""
+        """UsageError and ValueError raised inside get file, line and field of `place`."""
         try:
             yield
         except Located:
@@ -91,29 +100,31 @@ class Source:
         except (UsageError, ValueError) as error:
             self.fail(place, str(error))
 
-    def campaign(self) -> Campaign:
-        """What the file says. Raises UsageError with line and field for the first thing that is wrong."""
+    def load(self, model: type[Model]) -> Model:
+        """The file as a `model`. Raises UsageError with line and field for the first thing that is wrong."""
         try:
-            return Campaign.model_validate(self.data)
+            return model.model_validate(self.data)
         except ValidationError as error:
-            found = error.errors()  # a misspelt field is missing, too, but that is not what to say
+            found = error.errors()  # a misspelt field is also reported as missing: the misspelling is the cause
             first = next((e for e in found if e["type"] == "extra_forbidden"), found[0])
-            return self.fail(*complaint(first))
+            self.fail(*complaint(first, list(model.model_fields)))
 
 
-def complaint(error: Any) -> tuple[Place, str]:
-    """Where and what, of one of pydantic's errors."""
+def complaint(error: Any, fields: list[str]) -> tuple[Place, str]:
+    """Where and what, of one of pydantic's errors; `fields` are those of the whole file."""
     place, kind = error["loc"], error["type"]
     message = error["msg"].removeprefix("Value error, ")
     if kind == "missing":
         return place[:-1], f"{place[-1]} is missing"
     if kind == "extra_forbidden":
-        near = get_close_matches(str(place[-1]), Campaign.model_fields, 1) if len(place) == 1 else []
-        return place, f"there is no such field{f'; did you mean {near[0]}?' if near else ''}"
-    if kind == "union_tag_not_found":
-        return place, "distribution is missing"
-    if kind == "union_tag_invalid":
-        return place, f"there is no distribution {error['ctx']['tag']}; there are {error['ctx']['expected_tags']}"
+        near = nearest(str(place[-1]), fields) if len(place) == 1 else None
+        return place, f"there is no such field{f'; did you mean {near}?' if near else ''}"
+    if kind in ("union_tag_not_found", "union_tag_invalid"):
+        context = error["ctx"]
+        discriminator = context["discriminator"].strip("'")
+        if kind == "union_tag_not_found":
+            return place, f"{discriminator} is missing"
+        return place, f"there is no {discriminator} {context['tag']}; there are {context['expected_tags']}"
     if kind != "value_error" and not isinstance(error.get("input"), dict | list):
         message += f", not {error.get('input')!r}"
     return place, message

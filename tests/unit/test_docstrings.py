@@ -1,0 +1,65 @@
+"""Every public module, class, function and method of the rooms listed here has a docstring.
+
+Exempt are names with a leading underscore, functions inside functions, `__init__` and its like (the class is
+documented), rules registered by `@static` (their summary is an argument), validators of pydantic models (their
+messages say what they check), and methods that override or implement a documented one of a base class.
+"""
+import ast
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+ROOMS = ["cosim/errors.py", "cosim/yaml_file.py", "cosim/master", "cosim/conformance", "cosim/ssp", "cosim/campaign"]
+LATER = {ROOT / "cosim/master/flight.py", ROOT / "cosim/master/system.py"}
+DECORATORS = {"static", "field_validator", "model_validator"}
+Function = ast.FunctionDef | ast.AsyncFunctionDef
+
+
+def files(room: str) -> list[Path]:
+    path = ROOT / room
+    return [path] if path.suffix else sorted(path.rglob("*.py"))
+
+
+def word(node: ast.expr) -> str:
+    """The last name in `a.b[c](d)` without what is in brackets."""
+    while isinstance(node, ast.Call | ast.Subscript):
+        node = node.func if isinstance(node, ast.Call) else node.value
+    return node.attr if isinstance(node, ast.Attribute) else getattr(node, "id", "")
+
+
+TREES = {path: ast.parse(path.read_text()) for package in ("cosim", "fmus") for path in files(package)}
+CLASSES = {node.name: node for tree in TREES.values() for node in ast.walk(tree) if isinstance(node, ast.ClassDef)}
+
+
+def documented_in_base(kind: ast.ClassDef, name: str) -> bool:
+    bases = [CLASSES[word(base)] for base in kind.bases if word(base) in CLASSES]
+    return any(documented_in_base(base, name) or any(isinstance(item, Function) and item.name == name
+                                                     and ast.get_docstring(item) for item in base.body)
+               for base in bases)
+
+
+def undocumented(tree: ast.Module) -> list[str]:
+    found = [] if ast.get_docstring(tree) else ["the module"]
+    for node in tree.body:
+        owners = [(None, node)]
+        if isinstance(node, ast.ClassDef):
+            owners += [(node, item) for item in node.body]
+        for owner, item in owners:
+            if not isinstance(item, Function | ast.ClassDef) or item.name.startswith("_") or ast.get_docstring(item):
+                continue
+            if DECORATORS & {word(d) for d in item.decorator_list} or (owner and documented_in_base(owner, item.name)):
+                continue
+            found.append(f"{owner.name}.{item.name}" if owner else item.name)
+    return found
+
+
+@pytest.mark.parametrize("room", ROOMS)
+def test_what_is_public_is_documented(room):
+    missing = {str(path.relative_to(ROOT)): undocumented(TREES[path]) for path in files(room) if path not in LATER}
+    assert missing and {path: names for path, names in missing.items() if names} == {}
+
+
+def test_the_search_finds_what_is_missing():
+    tree = ast.parse('"""Module."""\nclass A:\n    """Class."""\n    def b(self): pass\ndef c(): pass\ndef _d(): pass')
+    assert undocumented(tree) == ["A.b", "c"]
