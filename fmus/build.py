@@ -1,5 +1,4 @@
-"""Builds the FMU file of a model, in one flavour or in several."""
-from collections.abc import Iterable
+"""Builds the FMU file of a model, in one flavour."""
 from importlib import import_module
 from importlib.metadata import version
 from pathlib import Path
@@ -43,9 +42,3 @@ def build(model: ModuleType | str, flavour: str, dist: Path = DIST, arm: bool = 
     path = dist / flavour / f"{model.NAME}.fmu"
     pack.write(path, files)
     return path
-
-
-def build_all(models: Iterable[ModuleType | str], flavours: Iterable[str], arm: bool = False) -> list[Path]:
-    """Every model in every flavour, below DIST: the paths. Raises as `build` does."""
-    models = list(models)
-    return [build(model, flavour, arm=arm) for flavour in flavours for model in models]
