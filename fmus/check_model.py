@@ -20,7 +20,7 @@ import casadi
 from . import floats, symbols
 from .interface import CAUSALITIES, COLUMNS, GIVEN, Variable, computed, variables
 from .trace import Trace, trace_model
-from .units import UNITS
+from .units import si_base
 
 ARGUMENTS = {"start": "m, u, p", "advance": "m, t, h, x, u, p, c", "outputs": "m, t, x, u, p", "prepare": "m, p, h"}
 STEP = 0.01  # s, for the trial step
@@ -104,10 +104,9 @@ def check_table(model: ModuleType) -> None:
             raise ModelError(model, f"{name} stands twice in the table; names must differ")
         if causality not in CAUSALITIES:
             raise ModelError(model, f"{name}: causality {causality!r} is none of {', '.join(CAUSALITIES)}")
-        known = isinstance(unit, str) and unit.partition(" ")[0] in {"", *UNITS} and unit.partition(" ")[2] in KINDS
-        if not known:
-            raise ModelError(model, f"{name}: the unit {unit!r} is not known; known are {', '.join(UNITS)}, and '' for "
-                                    "a Boolean (new ones go into fmus/units.py)")
+        reason = unit_mistake(unit)
+        if reason:
+            raise ModelError(model, f"{name}: {reason}")
         if not line_of_text(description):
             raise ModelError(model, f"{name}: the description must be one line of text, without control characters")
         found.add(name)
@@ -117,6 +116,19 @@ def check_table(model: ModuleType) -> None:
             raise ModelError(model, f"{v.name}: {reason}")
         if v.name == "internal_step" and not (v.causality == "parameter" and v.unit == "s" and (v.minimum or 0) > 0):
             raise ModelError(model, "internal_step must be a parameter in s with a minimum above 0")
+
+
+def unit_mistake(text: object) -> str | None:
+    """Why `text` cannot be the unit in a row, or None."""
+    if not isinstance(text, str):
+        return f"the unit {text!r} is not text, such as 'ft/s'; '' makes a Boolean"
+    unit, _, kind = text.partition(" ")
+    try:
+        if unit:
+            si_base(unit)
+    except ValueError as error:
+        return f"in the unit {text!r}, {error}; '' makes a Boolean"
+    return None if kind in KINDS else f"in the unit {text!r}, only 'frequency' may follow"
 
 
 def range_mistake(v: Variable) -> str | None:

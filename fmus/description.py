@@ -7,7 +7,7 @@ import casadi
 
 from .interface import Variable, computed, names, variables
 from .trace import Trace
-from .units import DEGREES, UNITS
+from .units import DEGREES, si_base
 
 TOOL = "ahv"
 LOG_CATEGORIES = {
@@ -42,10 +42,10 @@ def add_units(root: Element, table: list[Variable]) -> None:
     definitions = SubElement(root, "UnitDefinitions")
     for unit in sorted({v.unit for v in table} - {""}):
         element = SubElement(definitions, "Unit", name=unit)
-        known = UNITS[unit]
+        known = si_base(unit)
         if known:
             factor, exponents = known
-            base: dict[str, str] = {k: str(exponents[k]) for k in ("kg", "m", "s", "rad") if k in exponents}
+            base = {name: str(exponent) for name, exponent in exponents.items()}
             if factor != 1.0:
                 base["factor"] = number(factor)
             SubElement(element, "BaseUnit", base)

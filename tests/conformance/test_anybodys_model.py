@@ -116,7 +116,7 @@ def test_a_file_imported_as_a_whole_is_a_mistake_with_its_line(elsewhere, tmp_pa
 def test_the_command_says_the_mistake_and_ends_with_2(elsewhere, monkeypatch, capsys):
     written(elsewhere, "tank_room.model")
     file = elsewhere / "tank_room" / "model.py"
-    file.write_text(file.read_text().replace('"1/s", 2.0', '"1/ft", 2.0'))
+    file.write_text(file.read_text().replace('"1/s", 2.0', '"1/furlong", 2.0'))
     monkeypatch.setattr(sys, "argv", ["ahv", "build", "--flavour", "python"])
     for name in list(MODELS):
         monkeypatch.delitem(MODELS, name)
@@ -124,4 +124,4 @@ def test_the_command_says_the_mistake_and_ends_with_2(elsewhere, monkeypatch, ca
     with pytest.raises(SystemExit) as ended:
         cli.main()
     assert ended.value.code == 2
-    assert capsys.readouterr().err.startswith("ahv: Tank: rate: the unit '1/ft' is not known; known are 1, s, ")
+    assert capsys.readouterr().err.startswith("ahv: Tank: rate: in the unit '1/furlong', 'furlong' is not known; ")

@@ -66,7 +66,11 @@ MISTAKES = {
         "row 1 of VARIABLES, ('flow', 'input', '1/s', 0.5, 'inflow'), has 5 entries; "
         "a row is (name, causality, unit, start, min, max, nominal, description)"),
     "a row that is none": (FLOW, '"flow"', "row 1 of VARIABLES, 'flow', is not a tuple; a row is (name, "),
-    "an unknown unit": (FLOW, FLOW.replace("1/s", "1/ft"), "flow: the unit '1/ft' is not known; known are 1, s, 1/s, "),
+    "an unknown unit": (FLOW, FLOW.replace("1/s", "1/furlong"),
+        "flow: in the unit '1/furlong', 'furlong' is not known; a unit is 1 or made of kg, m, s, "),
+    "a unit that is none": (FLOW, FLOW.replace('"1/s"', "None"), "flow: the unit None is not text, such as 'ft/s'"),
+    "a unit of an unknown kind": (FLOW, FLOW.replace("1/s", "rad/s speed"),
+        "flow: in the unit 'rad/s speed', only 'frequency' may follow"),
     "an unknown causality": (FLOW, FLOW.replace("input", "in"),
         "flow: causality 'in' is none of input, output, calculatedParameter, parameter"),
     "a name twice": (RATE, RATE + ", " + RATE, "rate stands twice in the table; names must differ"),

@@ -10,7 +10,7 @@ from cosim.vehicle.registry import MODELS
 from fmus import floats
 from fmus.interface import computed, names, variables
 from fmus.trace import trace_model
-from fmus.units import UNITS
+from fmus.units import si_base
 
 
 @pytest.fixture(params=sorted(MODELS))
@@ -27,7 +27,7 @@ def test_outputs_are_those_of_the_table(model):
 
 def test_units_are_known_and_every_variable_is_described(model):
     for v in variables(model.VARIABLES):
-        assert v.unit == "" or v.unit in UNITS, v
+        assert v.unit == "" or si_base(v.unit) is not None or v.unit.startswith("sqrt("), v
         assert v.description, v
 
 

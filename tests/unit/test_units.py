@@ -1,0 +1,41 @@
+"""Units in SI base units: factors known from elsewhere, and what is no unit."""
+import pytest
+
+from fmus.units import SYMBOLS, si_base
+
+FT, SLUG, LBF = 0.3048, 14.593902937206365, 4.4482216152605005  # m, kg, N
+
+
+@pytest.mark.parametrize(("unit", "factor", "exponents"), [
+    ("1", 1.0, {}),
+    ("1/s3", 1.0, {"s": -3}),
+    ("1/ft2", FT**-2, {"m": -2}),
+    ("s2/rad2", 1.0, {"s": 2, "rad": -2}),
+    ("ft/s2", FT, {"m": 1, "s": -2}),
+    ("slug/ft3", SLUG / FT**3, {"kg": 1, "m": -3}),
+    ("slug.ft", SLUG * FT, {"kg": 1, "m": 1}),
+    ("lbf", LBF, {"kg": 1, "m": 1, "s": -2}),
+    ("lbf/ft2", LBF / FT**2, {"kg": 1, "m": -1, "s": -2}),
+    ("N.m/s", 1.0, {"kg": 1, "m": 2, "s": -3}),
+    ("V/A", 1.0, {"kg": 1, "m": 2, "s": -3, "A": -2}),
+    ("ft.s-2", FT, {"m": 1, "s": -2}),
+    ("sqrt(ft2/s2)", FT, {"m": 1, "s": -1}),
+])
+def test_factor_and_exponents(unit, factor, exponents):
+    found = si_base(unit)
+    assert found is not None and found[0] == pytest.approx(factor, rel=1e-15) and found[1] == exponents
+
+
+def test_half_exponents_have_no_base_unit():
+    assert si_base("sqrt(slug.ft)/s2") is None
+
+
+@pytest.mark.parametrize("text", ["", "furlong", "1/furlong", "ft/", "/ft", "ft//s", "ft s", "ft^2", "2", "(ft)",
+                                  "m1.5", "sqrt(ft", "sqrt()", "ft\n", "ft2s"])
+def test_what_is_no_unit_is_refused_with_the_rule(text):
+    with pytest.raises(ValueError, match=r"is not known; a unit is 1 or made of kg, m, s, .* such as slug\.ft/s2"):
+        si_base(text)
+
+
+def test_every_symbol_is_a_unit():
+    assert all(si_base(symbol) for symbol in SYMBOLS)
