@@ -91,6 +91,11 @@ def preset(path: Path, name: str) -> dict[str, Value]:
     return values
 
 
+def settable(v: ScalarVariable) -> bool:
+    """True if `v` may be set before initialisation (FMI 2.0 section 2.2.7)."""
+    return v.variability != "constant" and (v.causality in ("parameter", "input") or v.initial in ("exact", "approx"))
+
+
 @dataclass
 class FmuFile:
     """An extracted FMU. Use as a context manager: the extraction folder goes with it."""
@@ -147,8 +152,7 @@ class FmuFile:
         """`value` in the type of the variable `name`; UsageError if it may not be set to that."""
         v = self.variable(name)
         full = f"{component}.{name}"
-        settable = v.causality in ("parameter", "input") or v.initial in ("exact", "approx")  # FMI 2.0 section 2.2.7
-        if v.variability == "constant" or not settable:
+        if not settable(v):
             raise UsageError(f"{full} is an {v.causality} and cannot be set.")
         if v.type == "String":
             return str(value)
@@ -159,7 +163,7 @@ class FmuFile:
             return words[str(value).lower()]
         try:
             number = float(value)
-        except ValueError:
+        except (TypeError, ValueError):
             raise UsageError(f"{full} = {value} is not allowed: it must be a number.") from None
         low = float(v.min) if v.min is not None else -math.inf
         high = float(v.max) if v.max is not None else math.inf
