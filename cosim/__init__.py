@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from .library import check as check
     from .library import fly as fly
     from .master.flight import Flight as Flight
+    from .master.fmu import preset as preset
     from .master.info import FmuInfo as FmuInfo
     from .master.info import info as info
     from .master.series import Series as Series
@@ -36,7 +37,7 @@ WHERE = {
     "Component": "master.system", "Connection": "master.system", "System": "master.system",
     "Flight": "master.flight", "Series": "master.series", "fly": "library",
     "LoadedSsp": "ssp.load", "load_ssp": "ssp.load",
-    "FmuInfo": "master.info", "info": "master.info",
+    "FmuInfo": "master.info", "info": "master.info", "preset": "master.fmu",
     "Report": "conformance.report", "check": "library",
 }
 

@@ -100,7 +100,7 @@ class Flight:
     def plot(self, *names: str) -> Any:
         """A matplotlib Figure of these signals over time (s), one panel for each unit, in the FMUs' display units.
 
-        A name may be a difference, such as `plant.h - controller.h_reference`.
+        A name may be a difference, such as `plant.h - controller.h_reference`; differences have panels of their own.
         Raises UsageError for an unknown signal, no signal at all, or a difference of signals in different units.
         """
         from .plot import plot

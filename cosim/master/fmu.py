@@ -69,13 +69,14 @@ def existing(path: Path) -> Path:
     return path
 
 
-def preset(path: Path, name: str) -> dict[str, Value]:
+def preset(path: str | Path, name: str) -> dict[str, Value]:
     """The values of the preset `name`, an SSP parameter set that the FMU at `path` carries in its resources.
 
     Raises UsageError if there is no such FMU or no such preset.
     """
+    path = existing(Path(path))
     try:
-        with zipfile.ZipFile(existing(path)) as archive:
+        with zipfile.ZipFile(path) as archive:
             members = {PurePosixPath(m).stem: m for m in sorted(archive.namelist())
                        if m.startswith("resources/presets/") and m.endswith(".ssv")}
             if name not in members:
