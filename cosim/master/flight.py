@@ -5,7 +5,6 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from difflib import get_close_matches
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -23,6 +22,7 @@ from .progress import progress_bar as progress_bar  # the commands take it from 
 from .recording import CHUNK_ROWS, Recorder, Stream
 from .series import Series
 from .system import System
+from .text import nearest
 
 CHUNK_S = 0.1  # wall time between two looks at the world
 MakeRecorder = Callable[[list[Signal]], Recorder]
@@ -63,9 +63,7 @@ class Flight:
         Raises UsageError, which is a KeyError too, if there is no such signal.
         """
         if name not in self.places:
-            near = get_close_matches(str(name), self.places, 1, 0.4)
-            hint = f"; did you mean {near[0]}?" if near else "."
-            raise NoSuchSignal(f"This flight has no signal {name}{hint}")
+            raise NoSuchSignal(f"This flight has no signal {name}{nearest(name, self.places)}")
         place = self.places[name]
         return Series.of(self.signals[:, place], self.columns[place])
 

@@ -8,7 +8,6 @@ import xml.etree.ElementTree as ET
 import zipfile
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from difflib import get_close_matches
 from pathlib import Path, PurePosixPath
 from typing import Any
 
@@ -28,6 +27,7 @@ from fmpy.model_description import ModelDescription, ScalarVariable
 from ..errors import RunError, UsageError
 from . import last_call
 from .system import Value
+from .text import nearest
 from .unpack import BadArchive, safe_extract
 
 OK, WARNING, DISCARD, ERROR, FATAL = range(5)
@@ -138,9 +138,7 @@ class FmuFile:
     def variable(self, name: str) -> ScalarVariable:
         """The variable called `name`; UsageError suggests the nearest one if there is none."""
         if name not in self.variables:
-            near = get_close_matches(name, self.variables, 1, 0.4)
-            hint = f"; did you mean {near[0]}?" if near else "."
-            raise UsageError(f"{self.path.name} has no variable {name}{hint}")
+            raise UsageError(f"{self.path.name} has no variable {name}{nearest(name, self.variables)}")
         return self.variables[name]
 
     def names(self, causality: str) -> list[str]:

@@ -10,7 +10,7 @@ from fmpy.model_description import ModelDescription, ScalarVariable
 
 from ..errors import UsageError
 from .fmu import Value, settable
-from .text import html_table, html_text, printable, text_table
+from .text import html_table, html_text, nearest, printable, text_table
 from .unpack import BadArchive, safe_extract
 
 KINDS = {"coSimulation": "co-simulation", "modelExchange": "model exchange",
@@ -57,10 +57,10 @@ class FmuInfo:
 
     def __getitem__(self, name: str) -> Variable:
         """The variable called `name`. Raises UsageError if there is none."""
-        found = next((v for v in self.variables if v.name == name), None)
-        if found is None:
-            raise UsageError(f"{self.path.name} has no variable {name}.")
-        return found
+        known = {v.name: v for v in self.variables}
+        if name not in known:
+            raise UsageError(f"{self.path.name} has no variable {name}{nearest(name, known)}")
+        return known[name]
 
     def to_dict(self) -> dict[str, Any]:
         """The same as plain data for JSON."""
@@ -84,7 +84,7 @@ class FmuInfo:
         return [(causality, rows) for causality, rows in found if rows]
 
     def __str__(self) -> str:
-        lines = [self.name, *(printable(f"  {label}: {text}") for label, text in self.facts())]
+        lines = [printable(self.name), *(printable(f"  {label}: {text}") for label, text in self.facts())]
         for causality, rows in self.groups():
             lines += ["", *text_table((f"{causality} ({len(rows)})", *HEADINGS[1:]), rows)]
         return "\n".join(lines)

@@ -1,11 +1,18 @@
-"""Tables as plain text and as HTML. Names and texts come from strangers' FMUs: they are shown, never obeyed."""
+"""Words and tables for people, as plain text and HTML. Texts come from strangers' FMUs: shown, never obeyed."""
 from collections.abc import Iterable, Sequence
+from difflib import get_close_matches
 from html import escape
 
 
 def printable(text: str) -> str:
     """`text` with line feeds and control characters shown as escapes."""
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
+
+
+def nearest(word: object, known: Iterable[str]) -> str:
+    """The end of a sentence: the known word most like `word`, if there is one."""
+    near = get_close_matches(str(word), list(known), 1, 0.4)
+    return f"; did you mean {near[0]}?" if near else "."
 
 
 def shown(value: object) -> str:

@@ -8,10 +8,11 @@ from typing import Self
 from ..errors import UsageError
 from ..master.fmu import FmuFile
 from ..master.system import Component, Connection, System, Value, assign
+from ..master.text import nearest
 from .archive import Folder, unpacked
 from .connections import Tracer
 from .parameters import Given, bound, inside
-from .structure import Path_, Point, Structure, called, nearest, read, shown
+from .structure import Path_, Point, Structure, called, read, shown
 from .units import Unit, conversion, unit_of_variable
 from .xml import SSD, parse
 

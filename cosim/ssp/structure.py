@@ -2,6 +2,7 @@
 from dataclasses import dataclass, field
 
 from ..errors import UsageError
+from ..master.text import nearest
 from .units import Unit, unit
 from .xml import OSP, SSC, SSD, Node, short
 
@@ -159,11 +160,3 @@ def point_of(node: Node, side: str, path: Path_, structure: Structure) -> Point:
     if kind in ("input", "output") and kind != wanted:
         raise UsageError(f"A connection {side}s at {called((inner, connector))}, which is an {kind}.")
     return inner, connector
-
-
-def nearest(word: str, known: object) -> str:
-    """The end of a sentence: the known word most like `word`, if there is one."""
-    from difflib import get_close_matches
-
-    near = get_close_matches(word, list(known), 1, 0.4)  # type: ignore[call-overload]
-    return f"; did you mean {near[0]}?" if near else "."

@@ -1,7 +1,8 @@
 """A PID controller for the vehicle, with stock pythonfmu: python -m pythonfmu build -f pid.py"""
 from pythonfmu import Fmi2Causality, Fmi2Slave, Real
 
-INPUTS = {"V": 7700.0, "h": 85000.0, "gamma": 0.0, "theta": 0.02849, "Q": 0.0, "V_command": 7700.0, "h_command": 85000.0}
+INPUTS = {"V": 7700.0, "h": 85000.0, "gamma": 0.0, "theta": 0.02849, "Q": 0.0,
+          "V_command": 7700.0, "h_command": 85000.0}
 OUTPUTS = {"fuel_ratio": 0.26703, "elevator": 0.21836, "V_reference": 7700.0, "h_reference": 85000.0}
 FUEL_RATIO, ELEVATOR, THETA = 0.26703, 0.21836, 0.02849  # level flight at 7700 ft/s and 85000 ft
 
