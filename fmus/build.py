@@ -1,6 +1,6 @@
 """Builds the FMU files: every model, every flavour."""
 from importlib import import_module
-from importlib.metadata import version
+from importlib.metadata import distribution, version
 from pathlib import Path
 
 from . import documentation, native_flavour, pack, python_flavour
@@ -30,6 +30,7 @@ def build(name: str, flavour: str, dist: Path = DIST, arm: bool = False) -> Path
     traced = trace(model)
     files = maker.files(model, traced)
     files["documentation/index.html"] = documentation.page(model, traced)
+    files["documentation/licenses/license.txt"] = licence()
     files["model.png"] = documentation.icon(model)
     for preset, values in model.PRESETS.items():
         files[f"resources/presets/{preset}.ssv"] = parameter_set(preset, values)
@@ -44,6 +45,12 @@ def build(name: str, flavour: str, dist: Path = DIST, arm: bool = False) -> Path
     path = dist / flavour / f"{name}.fmu"
     pack.write(path, files)
     return path
+
+
+def licence() -> bytes:
+    """Our licence: the file beside the sources, or, in an installed package, the one in its metadata."""
+    file = Path(__file__).parents[1] / "LICENSE"
+    return file.read_bytes() if file.is_file() else (distribution("ahv").read_text("licenses/LICENSE") or "").encode()
 
 
 def build_all(flavours: list[str], arm: bool = False) -> list[Path]:

@@ -7,9 +7,11 @@ import casadi
 
 from .interface import Variable, computed, names, variables
 from .trace import Trace
-from .units import DEGREES, UNITS, display_unit
+from .units import DEGREES, UNITS
 
 TOOL = "ahv"
+AUTHOR = "the AHV FMU authors"
+RIGHTS = {"author": AUTHOR, "copyright": f"Copyright 2026 {AUTHOR}", "license": "BSD-2-Clause"}
 LOG_CATEGORIES = {
     "logStatusWarning": "warnings",
     "logStatusDiscard": "steps and values refused, each with its reason",
@@ -46,8 +48,7 @@ def add_units(root: Element, table: list[Variable]) -> None:
             if factor != 1.0:
                 base["factor"] = number(factor)
             SubElement(element, "BaseUnit", base)
-        shown = display_unit(unit)
-        if shown:
+        for shown in sorted({v.display_unit for v in table if v.unit == unit and v.display_unit}):
             SubElement(element, "DisplayUnit", name=shown, factor=number(DEGREES))
 
 
@@ -64,7 +65,7 @@ def add_variable(parent: Element, v: Variable) -> None:
     if v.type == "Boolean":
         SubElement(element, "Boolean", {} if v.start is None else {"start": boolean(v.start)})
         return
-    real = {"unit": v.unit, "displayUnit": display_unit(v.unit), "min": v.minimum, "max": v.maximum,
+    real = {"unit": v.unit, "displayUnit": v.display_unit, "min": v.minimum, "max": v.maximum,
             "nominal": v.nominal, "start": v.start}
     SubElement(element, "Real", {k: x if isinstance(x, str) else number(x) for k, x in real.items() if x is not None})
 
@@ -110,7 +111,7 @@ def model_description(model: ModuleType, trace: Trace, flavour: Flavour, guid: s
     """modelDescription.xml of `model` (FMI 2.0 section 2.2), the same bytes for the same arguments."""
     table = variables(model.VARIABLES)
     root = Element("fmiModelDescription", fmiVersion="2.0", modelName=model.NAME, guid=guid,
-                   description=model.DESCRIPTION, version=version, generationTool=TOOL,
+                   description=model.DESCRIPTION, version=version, **RIGHTS, generationTool=TOOL,
                    variableNamingConvention="flat")
     interface = SubElement(root, "CoSimulation", modelIdentifier=model.NAME,
                            canHandleVariableCommunicationStepSize="true", attrib=flavour.capabilities)

@@ -11,7 +11,7 @@ from types import ModuleType
 from .description import dependencies
 from .interface import Variable, computed, names, variables
 from .trace import Trace
-from .units import DEGREES, display_unit
+from .units import DEGREES
 
 ROOT = Path(__file__).parent.parent
 STYLE = ("body{font:15px sans-serif;max-width:70em;margin:2em auto;padding:0 1em}table{border-collapse:collapse}"
@@ -28,7 +28,7 @@ def shown(v: Variable, value: float | bool | None) -> str:
     """A value of `v` as people read it: angles in degrees."""
     if value is None or isinstance(value, bool):
         return "" if value is None else str(value).lower()
-    return f"{value * (DEGREES if display_unit(v.unit) else 1):.6g}"
+    return f"{value * (DEGREES if v.display_unit else 1):.6g}"
 
 
 def html_table(head: list[str], rows: list[list[str]]) -> str:
@@ -39,7 +39,7 @@ def html_table(head: list[str], rows: list[list[str]]) -> str:
 
 
 def variable_rows(table: list[Variable], *causalities: str) -> list[list[str]]:
-    return [[v.name, str(v.value_reference), display_unit(v.unit) or v.unit or "Boolean", shown(v, v.start),
+    return [[v.name, str(v.value_reference), v.display_unit or v.unit or "Boolean", shown(v, v.start),
              shown(v, v.minimum), shown(v, v.maximum), v.description] for v in table if v.causality in causalities]
 
 
@@ -76,7 +76,7 @@ def page(model: ModuleType, trace: Trace) -> bytes:
     presets = []
     for name, values in model.PRESETS.items():
         by_name = {v.name: v for v in table}
-        rows = [[key, shown(by_name[key], value), display_unit(by_name[key].unit) or by_name[key].unit]
+        rows = [[key, shown(by_name[key], value), by_name[key].display_unit or by_name[key].unit]
                 for key, value in values.items()]
         presets.append(f"<details><summary>{escape(name)} (resources/presets/{escape(name)}.ssv)</summary>"
                        + html_table(["parameter", "value", "unit"], rows) + "</details>")

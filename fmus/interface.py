@@ -3,7 +3,8 @@
 A model is a module with
     NAME, DESCRIPTION      identifier and one line of text
     VARIABLES              rows (name, causality, unit, start, min, max, nominal, description);
-                           angles in rad; the unit "" makes a Boolean, every other a Real
+                           angles in rad, and shown in degrees; "rad/s frequency" is the unit rad/s of what is no
+                           rate of an angle, and shown as it is; the unit "" makes a Boolean, every other a Real
     PRESETS                name -> {parameter: value}
     start(m, u, p) -> x                    initial state, a list of floats, from inputs and parameters
     advance(m, t, h, x, u, p, c) -> x      the state h seconds later, with the inputs held
@@ -30,10 +31,18 @@ class Variable:
     nominal: float | None
     description: str
     value_reference: int
+    display_unit: str | None  # the unit that people read, deg for rad; None where it is `unit`
 
     @property
     def type(self) -> str:
         return "Real" if self.unit else "Boolean"
+
+
+def record(row, value_reference: int) -> Variable:
+    name, causality, unit, *rest = row
+    unit, _, kind = unit.partition(" ")
+    shown = unit.replace("rad", "deg") if unit.startswith("rad") and kind != "frequency" else None
+    return Variable(name, causality, unit, *rest, value_reference, shown)
 
 
 def variables(rows) -> list[Variable]:
@@ -41,7 +50,7 @@ def variables(rows) -> list[Variable]:
 
     Raises ValueError naming the variable whose row contradicts itself.
     """
-    table = [Variable(*row, i) for i, row in enumerate(rows)]  # type: ignore[call-arg]
+    table = [record(row, i) for i, row in enumerate(rows)]
     names = set()
     for v in table:
         has_start = v.start is not None

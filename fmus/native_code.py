@@ -7,7 +7,7 @@ import casadi
 
 from .interface import Variable, computed, names, variables
 from .trace import Trace
-from .units import DEGREES, display_unit
+from .units import DEGREES
 
 CAUSALITY = {"input": "INPUT", "output": "OUTPUT", "calculatedParameter": "CALCULATED_PARAMETER",
              "parameter": "PARAMETER"}
@@ -63,9 +63,8 @@ def real(value: float | bool | None, otherwise: str = "0.0") -> str:
 
 def row(v: Variable, place: int) -> str:
     unit, factor = v.unit, 1.0
-    shown = display_unit(unit)
-    if shown:
-        unit, factor = shown, DEGREES
+    if v.display_unit:
+        unit, factor = v.display_unit, DEGREES
     unit = "" if unit in ("", "1") else f" {unit}"
     boolean = int(v.type == "Boolean")
     return (f'    {{"{v.name}", {CAUSALITY[v.causality]}, {boolean}, {place}, {real(v.start)}, '

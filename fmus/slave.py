@@ -17,8 +17,8 @@ ROUNDING = 1e-9  # of a step: 10 ms in steps of 1 ms are 10, not 11
 
 def shown(v, value):
     """A value with its unit, angles in degrees."""
-    if v.unit.startswith("rad"):
-        return f"{degrees(value):.6g} {v.unit.replace('rad', 'deg')}"
+    if v.display_unit:
+        return f"{degrees(value):.6g} {v.display_unit}"
     return f"{value:.6g}" + ("" if v.unit in ("1", "") else f" {v.unit}")
 
 

@@ -32,8 +32,3 @@ UNITS: dict[str, tuple[float, dict[str, int]] | None] = {
 }
 
 DEGREES = 180 / pi
-
-
-def display_unit(unit: str) -> str | None:
-    """Angles are shown in degrees: the display unit of `unit`, or None where it shows itself."""
-    return unit.replace("rad", "deg") if unit.startswith("rad") else None
