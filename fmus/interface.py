@@ -42,7 +42,7 @@ def record(row, value_reference: int) -> Variable:
     name, causality, unit, *rest = row
     unit, _, kind = unit.partition(" ")
     shown = unit.replace("rad", "deg") if unit.startswith("rad") and kind != "frequency" else None
-    return Variable(name, causality, unit, *rest, value_reference, shown)
+    return Variable(name, causality, unit, *rest, value_reference, shown)  # type: ignore[call-arg]
 
 
 def variables(rows) -> list[Variable]:
