@@ -24,7 +24,7 @@ PASSES = 3
 LAWS = ("AhvController", "AhvBackstepping")
 OUTPUTS = ("fuel_ratio", "elevator")
 # How far each input wanders around its start: ft/s, ft, rad, rad, rad/s; ft/s, ft.
-SWING = {"V": 20.0, "h": 50.0, "gamma": 0.005, "theta": 0.02, "Q": 0.02, "V_command": 100.0, "h_command": 400.0}
+SWING = {"V": 0.5, "h": 2.0, "gamma": 2e-4, "theta": 0.001, "Q": 0.001, "V_command": 0.5, "h_command": 2.0}
 
 
 def array(items) -> str:
