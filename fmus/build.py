@@ -1,7 +1,6 @@
 """Builds the FMU file of a model, in one flavour or in several."""
-from collections.abc import Iterable
 from importlib import import_module
-from importlib.metadata import version
+from importlib.metadata import distribution, version
 from pathlib import Path
 from types import ModuleType
 
@@ -29,6 +28,7 @@ def build(model: ModuleType | str, flavour: str, dist: Path = DIST, arm: bool = 
     trace = checked_trace(model)
     files = maker.files(model, trace)
     files["documentation/index.html"] = documentation.page(model, trace)
+    files["documentation/licenses/license.txt"] = licence()
     files["model.png"] = documentation.icon(model)
     for preset, values in model.PRESETS.items():
         files[f"resources/presets/{preset}.ssv"] = parameter_set(preset, values)
@@ -45,7 +45,7 @@ def build(model: ModuleType | str, flavour: str, dist: Path = DIST, arm: bool = 
     return path
 
 
-def build_all(models: Iterable[ModuleType | str], flavours: Iterable[str], arm: bool = False) -> list[Path]:
-    """Every model in every flavour, below DIST: the paths. Raises as `build` does."""
-    models = list(models)
-    return [build(model, flavour, arm=arm) for flavour in flavours for model in models]
+def licence() -> bytes:
+    """Our licence: the file beside the sources, or, in an installed package, the one in its metadata."""
+    file = Path(__file__).parents[1] / "LICENSE"
+    return file.read_bytes() if file.is_file() else (distribution("ahv").read_text("licenses/LICENSE") or "").encode()
