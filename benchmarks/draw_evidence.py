@@ -17,8 +17,18 @@ import numpy as np
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parent / "tests"))
 
-from claims import ALTITUDES, ENVELOPE, SPEEDS, bounds, differentiator_poles, effects, gamma_zeros, growth, operations  # noqa: E402
-from claims import MODELS as LAW_MODELS  # noqa: E402
+from claims import (  # noqa: E402
+    ALTITUDES,
+    ENVELOPE,
+    LAW_MODELS,
+    SPEEDS,
+    bounds,
+    differentiator_poles,
+    effects,
+    gamma_zeros,
+    growth,
+    operations,
+)
 from evidence import Loaded, fly, summary  # noqa: E402
 from studies import NOISE, SENSORS, ablation, envelope, limits  # noqa: E402
 

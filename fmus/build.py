@@ -1,4 +1,4 @@
-"""Builds the FMU file of a model, in one flavour or in several."""
+"""Builds the FMU file of a model, in one flavour."""
 from importlib import import_module
 from importlib.metadata import distribution, version
 from pathlib import Path

@@ -119,4 +119,4 @@ def sets(t, error, phi_hat, F, active, gain, rate):
         phi_hat=float(np.abs(phi_hat).max()), phi_radius=float(np.sqrt(rate)))
 
 
-MODELS = {"neural": neural_model, "backstepping": backstepping_model}
+LAW_MODELS = {"neural": neural_model, "backstepping": backstepping_model}

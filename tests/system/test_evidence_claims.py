@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from claims import ENVELOPE, MODELS, adapted_states, bounds, differentiator_poles, effects, gamma_zeros, operations
+from claims import ENVELOPE, LAW_MODELS, adapted_states, bounds, differentiator_poles, effects, gamma_zeros, operations
 from evidence import GROUPS
 
 from ahv_ctrl_fmu import neural, neural_model
@@ -90,7 +90,7 @@ def test_only_two_parameters_are_adapted():
 
 
 def test_the_neural_law_needs_more_operations_than_the_rival_not_fewer():
-    counted = {name: operations(model) for name, model in MODELS.items()}
+    counted = {name: operations(model) for name, model in LAW_MODELS.items()}
     assert counted["neural"] > 1.5 * counted["backstepping"]
 
 

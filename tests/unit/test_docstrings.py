@@ -10,7 +10,8 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-ROOMS = ["cosim/errors.py", "cosim/yaml_file.py", "cosim/master", "cosim/conformance", "cosim/ssp", "cosim/campaign"]
+ROOMS = ["cosim/errors.py", "cosim/yaml_file.py", "cosim/master", "cosim/conformance", "cosim/ssp", "cosim/campaign",
+         "fmus", "ahv_plant_fmu", "ahv_ctrl_fmu"]
 LATER = {ROOT / "cosim/master/flight.py", ROOT / "cosim/master/system.py"}
 DECORATORS = {"static", "field_validator", "model_validator"}
 Function = ast.FunctionDef | ast.AsyncFunctionDef
@@ -28,7 +29,8 @@ def word(node: ast.expr) -> str:
     return node.attr if isinstance(node, ast.Attribute) else getattr(node, "id", "")
 
 
-TREES = {path: ast.parse(path.read_text()) for package in ("cosim", "fmus") for path in files(package)}
+TREES = {path: ast.parse(path.read_text()) for package in ("cosim", "fmus", "ahv_plant_fmu", "ahv_ctrl_fmu")
+         for path in files(package)}
 CLASSES = {node.name: node for tree in TREES.values() for node in ast.walk(tree) if isinstance(node, ast.ClassDef)}
 
 
