@@ -15,6 +15,7 @@ MODELS = {
     "AhvInstrumentedPlant": "ahv_plant_fmu.instrumented_model",
     "AhvController": "ahv_ctrl_fmu.neural_model",
     "AhvBackstepping": "ahv_ctrl_fmu.backstepping_model",
+    "AhvResilient": "ahv_ctrl_fmu.resilient_model",
     "AhvScenario": "cosim.vehicle.scenario_model",
 }
 FLAVOURS = {"python": python_flavour, "native": native_flavour}

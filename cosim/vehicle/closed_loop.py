@@ -6,7 +6,7 @@ from ..errors import UsageError
 from ..master.system import Component, Connection, System, Value
 
 DIST = Path(__file__).parents[2] / "fmus" / "dist"
-CONTROLLERS = {"neural": "AhvController", "backstepping": "AhvBackstepping"}
+CONTROLLERS = {"neural": "AhvController", "backstepping": "AhvBackstepping", "resilient": "AhvResilient"}
 PLANTS = {"ideal": "AhvPlant", "instrumented": "AhvInstrumentedPlant"}
 FLAVOURS = ("python", "native")
 CLOSED_LOOP = [
