@@ -61,12 +61,16 @@ def observer(m, rate, h):
     return [1 - b * b, (1 - b)**2 / h]
 
 
+def section_gains(p, k):
+    """Zero, its damping, pole, its damping of the moment demand's filter section `k`."""
+    return [getattr(p, f"section_{k}_{name}") for name in ("zero", "zero_damping", "pole", "pole_damping")]
+
+
 def prepare(m, p, h):
     """39 numbers for steps of h: reference filter (4), sections (20), observers (6), low-passes (9)."""
     numbers = Numbers(
         reference=filter_transition(p.reference_omega, p.reference_zeta, h),
-        filter=[value for k in SECTIONS for value in section(
-            m, *(getattr(p, f"section_{k}_{name}") for name in ("zero", "zero_damping", "pole", "pole_damping")), h)],
+        filter=[value for k in SECTIONS for value in section(m, section_gains(p, k), h)],
         V=observer(m, p.observer_V, h), gamma=observer(m, p.observer_gamma, h), Q=observer(m, p.observer_Q, h),
         h=low_pass(m, p.filter_h, h), gamma_slow=low_pass(m, p.filter_gamma, h), m0=low_pass(m, p.observer_Q, h),
         lift=low_pass(m, p.filter_lift, h), moment=low_pass(m, p.filter_moment, h),
@@ -169,7 +173,7 @@ def holdable_alpha(m, s, now, p, hold, margin):
 
 
 def commanded(m, s, u, now, p):
-    """From the state after its corrections: elevator that holds, angle of attack, pitch acceleration, fuel for speed."""
+    """What the corrected state asks for: elevator that holds, angle of attack, moment demand, fuel ratio for speed."""
     s_L = lift_scale(m, s, p)
     per_elevator = s.s_M * e * now.mu
     aerodynamic = s.s_M * now.mu * (now.c + v.CM_0)
@@ -228,10 +232,10 @@ def start(m, u, p):
         s_bar=1.0, s_slow=1.0, n_bar=0.0, T_bar=0.0,
         fuel_ratio=fuel_ratio, elevator=elevator, servo=elevator, hold=elevator, alpha_wanted=0.0, alpha_limit=0.0)
     now = measurements(m, s, u)
-    s = s._replace(m_first=now.m0, m_bar=now.m0, m_slow=now.m0, n_bar=REST * now.T, T_bar=now.T,
-                   filter=at_rest(REST * now.T - e * now.mu * elevator, len(SECTIONS)))
+    s = s._replace(m_first=now.m0, m_bar=now.m0, m_slow=now.m0, n_bar=REST * now.T, T_bar=now.T)
     law = commanded(m, s, u, now, p)
-    return pack(s._replace(hold=law.hold, alpha_wanted=law.wanted, alpha_limit=law.limit))
+    return pack(s._replace(filter=at_rest(law.demand, len(SECTIONS)),
+                           hold=law.hold, alpha_wanted=law.wanted, alpha_limit=law.limit))
 
 
 def advance(m, t, h, x, u, p, c):

@@ -63,7 +63,7 @@ VARIABLES = [
         ("k_Q", "1/s", 0.0, None, "pitch rate error gain"),
         ("k_V", "1/s", 0.0, None, "velocity error gain"),
         ("observer_V", "1/s", SMALL, 1000.0, "rate of the velocity's observer"),
-        ("observer_gamma", "1/s", SMALL, 1000.0, "rate of the flight-path angle's observer, which finds the lift scale"),
+        ("observer_gamma", "1/s", SMALL, 1000.0, "rate of the flight-path angle's observer, which finds the lift"),
         ("observer_Q", "1/s", SMALL, 1000.0, "rate of the pitch rate's observer"),
         ("filter_h", "1/s", 0.0, 1000.0, "rate at which the altitude used follows the measured one; 0 at once"),
         ("filter_gamma", "1/s", 0.0, 1000.0, "rate at which the path angle used follows the measured one; 0 at once"),

@@ -16,8 +16,9 @@ def polynomial(m, omega, zeta, h):
     return k * k + 2 * zeta * k + 1, 2 * (1 - k * k), k * k - 2 * zeta * k + 1
 
 
-def section(m, zero, zeta_zero, pole, zeta_pole, h):
-    """The COEFFICIENTS of one section for samples every h seconds; frequencies in rad/s."""
+def section(m, gains, h):
+    """The COEFFICIENTS of one section for samples every h seconds; `gains` are z, zeta_z, p, zeta_p (rad/s)."""
+    zero, zeta_zero, pole, zeta_pole = gains
     used = m.both(pole > 0, pole * h < 2 * LARGEST_ANGLE)
     has_zero = m.both(zero > 0, zero * h < 2 * LARGEST_ANGLE)
     a0, a1, a2 = polynomial(m, m.where(used, pole, 1.0), zeta_pole, h)

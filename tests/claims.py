@@ -49,7 +49,7 @@ def differentiator_poles(gains):
 def operations(model, step=0.01):
     """Elementary operations of one communication step: CasADi's instructions of the traced functions."""
     traced = trace(model)
-    internal = next(v.start for v in variables(model.VARIABLES) if v.name == "internal_step")
+    internal = next((v.start for v in variables(model.VARIABLES) if v.name == "internal_step"), step)
     return int(np.ceil(step / internal - 1e-9)) * traced.advance.n_instructions() + traced.outputs.n_instructions()
 
 

@@ -11,7 +11,7 @@ from fmus.linear_report import preset_gains
 from fmus.linearize import ACTUATORS, GROUPS, SENSORS, NoTrim, linear_loop, values_of, vehicle, vehicle_trim
 from fmus.margins import frequencies, margins, response
 
-LAWS = {"neural": "AhvController", "backstepping": "AhvBackstepping"}
+LAWS = {"neural": "AhvController", "backstepping": "AhvBackstepping", "resilient": "AhvResilient"}
 
 
 def test_the_vehicles_matrices_are_those_of_difference_quotients():
