@@ -4,7 +4,7 @@ The vehicle alone is linearised in continuous time, from (1)-(9). The closed loo
 sampled, the controller stepped first with the measurements held, then the plant with the controller's outputs
 held (Gauss-Seidel), each in its internal steps.
 """
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from importlib import import_module
 from math import ceil
@@ -26,12 +26,14 @@ from .margins import Margins, frequencies, margins, response
 from .trace import trace
 
 Array = np.ndarray
+DEAD = 1e-5  # a sampled pole below this is one at 0, as accurately as eigenvalues of a deadbeat can be had
 STATES = list(plant_model.SHOWN_STATES)
 ACTUATORS = ["fuel_ratio", "elevator"]
 SENSORS = ["V", "h", "gamma", "theta", "Q"]
 COMMANDS = ["V_command", "h_command"]
 GROUPS = ["thrust", "lift", "drag", "moment", "forces"]
 NEWTON_STEPS, STAGES, ARRIVED = 40, 4, 1e-9  # stages on the way to scaled coefficients
+STILL = 1e-5  # a state that changes by less than this of anything in a step is a memory: ARRIVED leaves so much
 SCALE = np.array([1e3, 1e3, .01, .01, .01, 1, 20, 1, 20])  # of the plant's states, for the residual
 
 
@@ -56,7 +58,7 @@ class Linear:
         """1/s, slowest first; of a sampled system those of the continuous one with the same samples."""
         values = np.linalg.eigvals(self.A).astype(complex)
         if self.step:
-            values = np.log(np.where(values == 0, 1e-300, values)) / self.step
+            values = np.log(np.where(np.abs(values) < DEAD, 1e-300, values)) / self.step
         return values[np.argsort(np.abs(values))]
 
     def zeros(self, source: str, target: str) -> Array:
@@ -155,7 +157,7 @@ class Sampled:
 
     def stepped(self, step: float, x: Array, u: Array, p: SimpleNamespace) -> tuple[Array, Array, Array]:
         """The state after `step` seconds with its Jacobians by x and by u."""
-        count = ceil(step / p.internal_step - 1e-9)
+        count = ceil(step / p.internal_step - 1e-9) if "internal_step" in self.parameters else 1
         h, numbers = step / count, flat(p)
         c = self.trace.prepare(numbers, h)
         A, B = np.eye(len(x)), np.zeros((len(x), len(u)))
@@ -174,8 +176,8 @@ def sampled(name: str) -> Sampled:
 class Loop:
     """Plant and controller about an equilibrium, ready to be closed or cut anywhere.
 
-    x' = Ap x + Bp v,  z' = Az z + Bz m + Bc r,  y = Cz z' + Dz m + Dc r
-    with measurements m = x[:5], actuators v = y, commands r.
+    x' = Ap x + Bp v,  z' = Az z + Bz [m, r],  y = Cy z + Dy [m, r]
+    with measurements m = x[:5], actuators v = y, commands r; y is what the controller shows after its step.
     """
     x: Array
     z: Array
@@ -184,8 +186,8 @@ class Loop:
     Bp: Array
     Az: Array
     Bz: Array
-    Cz: Array
-    Dz: Array
+    Cy: Array
+    Dy: Array
     step: float
 
     def cut(self, actuator: int | None = None, sensor: int | None = None) -> Linear:
@@ -193,10 +195,10 @@ class Loop:
         Without a cut: the closed loop, from the two commands to the five measurements and two actuators."""
         nx, nz = len(self.Ap), len(self.Az)
         M = np.eye(5, nx)
-        Bm, Br, Dm, Dr = self.Bz[:, :5], self.Bz[:, 5:7], self.Dz[:, :5], self.Dz[:, 5:7]
-        Cy, Dy = self.Cz @ self.Az, Dm + self.Cz @ Bm
+        Bm, Br, Dy, Dr = self.Bz[:, :5], self.Bz[:, 5:7], self.Dy[:, :5], self.Dy[:, 5:7]
+        Cy = self.Cy
         through_v, through_m = np.ones(2), np.ones(5)
-        B = np.vstack([self.Bp @ (Dr + self.Cz @ Br), Br])
+        B = np.vstack([self.Bp @ Dr, Br])
         inputs = COMMANDS
         if actuator is not None:
             through_v[actuator] = 0
@@ -210,7 +212,7 @@ class Loop:
         A = np.block([[self.Ap + self.Bp @ np.diag(through_v) @ Dy @ seen, self.Bp @ np.diag(through_v) @ Cy],
                       [Bm @ seen, self.Az]])
         C = np.block([[M, np.zeros((5, nz))], [Dy @ seen, Cy]])
-        D = np.vstack([np.zeros((5, B.shape[1])), Dr + self.Cz @ Br if inputs is COMMANDS else np.zeros((2, 1))])
+        D = np.vstack([np.zeros((5, B.shape[1])), Dr if inputs is COMMANDS else np.zeros((2, 1))])
         outputs = [*SENSORS, *ACTUATORS]
         if inputs is not COMMANDS:
             rows = [outputs.index(inputs[0])]
@@ -235,7 +237,7 @@ def linear_loop(controller: str, gains: dict[str, Any], V: float, h: float, step
     """The closed loop that holds V (ft/s), h (ft), about its own equilibrium: `controller` is a model's name, `gains`
     its parameters, `scale` a factor per coefficient group and `plant` parameters of the vehicle.
 
-    Memories (states that no step changes) are left out. Raises NoTrim where the loop has no equilibrium, or one
+    States that take no part (memories, records) are left out. Raises NoTrim where the loop has no equilibrium, or one
     only with an actuator at its limit.
     """
     vehicle_model, law = sampled("AhvPlant"), sampled(controller)
@@ -264,7 +266,7 @@ def equilibrium(vehicle_model: Sampled, law: Sampled, pp: SimpleNamespace, pc: S
         z1, Az, Bz = law.stepped(step, z, m, pc)
         y, Cz, Dz = (np.array(a)[actuators] for a in law.shown(z1, m, flat(pc)))
         x1, Ap, Bp = vehicle_model.stepped(step, np.array([*x, *memory]), np.array([*y.ravel(), *scale]), pp)
-        loop = Loop(x, z, y.ravel(), Ap[:9, :9], Bp[:9, :2], Az, Bz, Cz, Dz, step)
+        loop = Loop(x, z, y.ravel(), Ap[:9, :9], Bp[:9, :2], Az, Bz, Cz @ Az, Dz + Cz @ Bz, step)
         residual = np.concatenate([(x1[:9] - x), z1 - z])
         if np.abs(residual[:9] / SCALE).max() < ARRIVED and np.abs(residual[9:]).max() < ARRIVED:
             return loop
@@ -279,7 +281,13 @@ def equilibrium(vehicle_model: Sampled, law: Sampled, pp: SimpleNamespace, pc: S
 
 
 def without_memory(loop: Loop) -> Loop:
+    """Without the controller's states that no step changes, and those that no later step reads (what was sent, say):
+    neither takes part in the motion."""
     J = np.hstack([loop.Az - np.eye(len(loop.Az)), loop.Bz])
-    live = np.abs(J).max(axis=1) > 0
-    return Loop(loop.x, loop.z[live], loop.y, loop.Ap, loop.Bp, loop.Az[np.ix_(live, live)], loop.Bz[live],
-                loop.Cz[:, live], loop.Dz, loop.step)
+    live = np.abs(J).max(axis=1) > STILL
+    while True:
+        read = live & (np.abs(np.vstack([loop.Az[live], loop.Cy])).max(axis=0) > 0)
+        if read.sum() == live.sum():
+            break
+        live = read
+    return replace(loop, z=loop.z[live], Az=loop.Az[np.ix_(live, live)], Bz=loop.Bz[live], Cy=loop.Cy[:, live])
