@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 from evidence import fly
 
-from ahv_ctrl_fmu import backstepping_model, neural_model
+from ahv_ctrl_fmu import backstepping_model, neural_model, resilient_model
 from ahv_plant_fmu import model as plant
 from ahv_plant_fmu.equations import derivative
 from ahv_plant_fmu.trim import NOMINAL
@@ -12,7 +12,7 @@ from fmus.linear_report import preset_gains
 from fmus.linearize import ACTUATORS, GROUPS, SENSORS, NoTrim, linear_loop, linear_vehicle, values_of, vehicle_trim
 from fmus.margins import frequencies, margins, response
 
-LAWS = {"neural": neural_model, "backstepping": backstepping_model}
+LAWS = {"neural": neural_model, "backstepping": backstepping_model, "resilient": resilient_model}
 
 
 def test_the_vehicles_matrices_are_those_of_difference_quotients():
