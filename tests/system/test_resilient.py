@@ -3,7 +3,6 @@ import numpy as np
 import pytest
 from evidence import GROUPS, Loaded, fly, summary
 
-from ahv_ctrl_fmu.resilient_model import PRESETS
 from cosim.master.flight import fly as fly_system
 from cosim.vehicle import scenarios
 from cosim.vehicle.closed_loop import planned
@@ -100,7 +99,3 @@ def test_the_first_outputs_are_the_trim_and_nominal_flight_stays_there():
     for name in ("fuel_ratio", "elevator"):
         assert np.ptp(flight[f"controller.{name}"]) < 1e-9
     assert np.abs(flight["plant.h"] - 85000).max() < 1e-6
-
-
-def test_presets_are_named_for_what_they_are():
-    assert PRESETS["calibrated"] == PRESETS["quiet"]
