@@ -1,7 +1,7 @@
 PYTHON ?= python3
 BIN := .venv/bin
 
-.PHONY: setup build demo test lint slow foreign-hosts clean
+.PHONY: setup build demo test lint slow foreign-hosts docs clean
 
 setup: .venv/ready
 
@@ -33,5 +33,10 @@ slow: build
 foreign-hosts: build
 	$(BIN)/pytest -m slow tests/conformance/test_native_hosts.py
 
+# The documentation as a site, in site/; open site/index.html.
+docs: setup
+	$(BIN)/pip install --quiet --editable '.[docs]'
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet --strict
+
 clean:
-	rm -rf .venv results fmus/dist
+	rm -rf .venv results fmus/dist site

@@ -85,7 +85,8 @@ VARIABLES = [
         ("a2", "1", 0.0, 100.0, "differentiator coefficient a2 (13)"),
         ("a3", "1", 0.0, 100.0, "differentiator coefficient a3 (13)"),
         ("a4", "1", 0.0, 100.0, "differentiator coefficient a4 (13)"),
-        ("elevator_bandwidth", "rad/s", 0.0, 1000.0, "bandwidth of the elevator's structural filter; 0 for none"),
+        ("elevator_bandwidth", "rad/s frequency", 0.0, 1000.0,
+         "bandwidth of the elevator's structural filter; 0 for none"),
     )),
     *((f"net{k}_{name}_{key}", "parameter", unit, CALIBRATED[f"net{k}_{name}_{key}"], low, None, None,
        f"network {k}: {text} of its input {name}")

@@ -31,28 +31,31 @@ PORTS = [
     ("elevator_saturated", "output", "", None, None, None, None, "elevator at a limit, its integral frozen"),
 ]
 
-PARAMETERS = [
+# Parameters of every law; `theta_trim` and `internal_step` are for those that need them.
+SHARED = [
     ("fuel_ratio_min", "parameter", "1", 0.05, None, None, None, "lower limit of the fuel ratio"),
     ("fuel_ratio_max", "parameter", "1", 1.5, None, None, None, "upper limit of the fuel ratio"),
     ("elevator_min", "parameter", "rad", -20 * DEG, -90 * DEG, 90 * DEG, None, "lower limit of the elevator"),
     ("elevator_max", "parameter", "rad", 20 * DEG, -90 * DEG, 90 * DEG, None, "upper limit of the elevator"),
-    ("reference_omega", "parameter", "rad/s", 0.1, SMALL, 100.0, None, "natural frequency of the reference filters"),
+    ("reference_omega", "parameter", "rad/s frequency", 0.1, SMALL, 100.0, None,
+     "natural frequency of the reference filters (67)"),
     ("reference_zeta", "parameter", "1", 0.9, 0.0, 10.0, None, "damping ratio of the reference filters (67)"),
     ("solve_trim", "parameter", "", True, None, None, None, "start at the nominal trim for the measured V, h"),
     ("fuel_ratio_trim", "parameter", "1", 0.26703, 0.0, 2.0, None, "fuel ratio at the start, if not solved"),
     ("elevator_trim", "parameter", "rad", 12.511 * DEG, -90 * DEG, 90 * DEG, None, "elevator at start, if not solved"),
+]
+PARAMETERS = [
+    *SHARED,
     ("theta_trim", "parameter", "rad", 1.6325 * DEG, -90 * DEG, 90 * DEG, None, "pitch angle of trim, if not solved"),
     ("internal_step", "parameter", "s", 0.005, 1e-5, 0.1, None, "longest internal step"),
 ]
 
 
-def start_trim(m, u, p):
-    """(fuel_ratio, elevator, theta) to start from: the nominal vehicle's trim at the measured V and h, or
-    the given one."""
+def start_trim(m, u, p, names=("fuel_ratio", "elevator", "theta")):
+    """Trim values to start from, in the order of `names`: the nominal vehicle's trim at the measured V and h, or
+    the given one (parameters NAME_trim)."""
     trim = level_trim(m, u.V, u.h, NOMINAL_VEHICLE)
-    return (m.where(p.solve_trim, trim.fuel_ratio, p.fuel_ratio_trim),
-            m.where(p.solve_trim, trim.elevator, p.elevator_trim),
-            m.where(p.solve_trim, trim.theta, p.theta_trim))
+    return tuple(m.where(p.solve_trim, getattr(trim, name), getattr(p, f"{name}_trim")) for name in names)
 
 
 def limited(m, wanted, low, high):

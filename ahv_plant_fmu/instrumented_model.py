@@ -37,8 +37,8 @@ VARIABLES = [
     *((f"{name}_used", "output", unit, None, None, None, nominal, f"{name} after the actuator")
       for name, unit, nominal in ACTUATORS),
     *((f"{name}_delay", "parameter", "s", 0.0, 0.0, TAP * (TAPS - 2), None, f"delay of {name}") for name in CHANNELS),
-    *((f"{name}_bandwidth", "parameter", "rad/s", 0.0, 0.0, 1e4, None, f"bandwidth of {name}'s lag; 0 for none")
-      for name, *_ in ACTUATORS),
+    *((f"{name}_bandwidth", "parameter", "rad/s frequency", 0.0, 0.0, 1e4, None,
+      f"bandwidth of {name}'s lag; 0 for none") for name, *_ in ACTUATORS),
     *((f"{name}_rate_limit", "parameter", RATE[unit], 0.0, 0.0, None, None, f"largest rate of {name}; 0 for none")
       for name, unit, _ in ACTUATORS),
     *((f"{name}_noise", "parameter", unit, 0.0, 0.0, None, None, f"root mean square of {name}'s noise")

@@ -29,10 +29,10 @@ def ours(ssp: Path, step: float, ticks: int) -> dict[str, float]:
     from cosim.master.flight import fly
     from cosim.master.loaded import Master, open_files
     from cosim.master.recording import CHUNK_ROWS, Recorder
-    from cosim.ssp.load import loaded
+    from cosim.ssp.load import load_ssp
 
-    with loaded(ssp) as found:
-        system = found.system
+    with load_ssp(ssp) as found:
+        system = found
         names = sorted({c.source for c in system.connections})
         fly(system, step, 10 * step, "jacobi", record=names)
         flight = fly(system, step, ticks * step, "jacobi", record=names)

@@ -39,7 +39,7 @@ def write_kernel(model, guid: str, folder: Path) -> None:
     starts = {v.name: float(v.start) for v in table if v.start is not None}
     groups = {key: ", ".join(repr(starts[v.name]) for v in table if v.causality == causality)
               for key, causality in (("U", "input"), ("P", "parameter"))}
-    count = internal_steps(STEP, starts["internal_step"])
+    count = internal_steps(STEP, starts.get("internal_step", STEP))
     (folder / "kernel.h").write_text("\n".join([
         "#define casadi_int long long int", "#define casadi_real double", '#include "functions.h"',
         *(f"#define {key} {{{values}}}" for key, values in groups.items()),

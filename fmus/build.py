@@ -1,6 +1,6 @@
 """Builds the FMU file of a model, in one flavour."""
 from importlib import import_module
-from importlib.metadata import version
+from importlib.metadata import distribution, version
 from pathlib import Path
 from types import ModuleType
 
@@ -28,6 +28,7 @@ def build(model: ModuleType | str, flavour: str, dist: Path = DIST, arm: bool = 
     trace = checked_trace(model)
     files = maker.files(model, trace)
     files["documentation/index.html"] = documentation.page(model, trace)
+    files["documentation/licenses/license.txt"] = licence()
     files["model.png"] = documentation.icon(model)
     for preset, values in model.PRESETS.items():
         files[f"resources/presets/{preset}.ssv"] = parameter_set(preset, values)
@@ -42,3 +43,9 @@ def build(model: ModuleType | str, flavour: str, dist: Path = DIST, arm: bool = 
     path = dist / flavour / f"{model.NAME}.fmu"
     pack.write(path, files)
     return path
+
+
+def licence() -> bytes:
+    """Our licence: the file beside the sources, or, in an installed package, the one in its metadata."""
+    file = Path(__file__).parents[1] / "LICENSE"
+    return file.read_bytes() if file.is_file() else (distribution("ahv").read_text("licenses/LICENSE") or "").encode()

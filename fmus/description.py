@@ -10,6 +10,9 @@ from .trace import Trace
 from .units import DEGREES, si_base
 
 TOOL = "ahv"
+AUTHOR = "the AHV FMU authors"
+COPYRIGHT = f"Copyright 2026 {AUTHOR}"
+LICENSE = "BSD-2-Clause"
 LOG_CATEGORIES = {
     "logStatusWarning": "warnings",
     "logStatusDiscard": "steps and values refused, each with its reason",
@@ -114,7 +117,8 @@ def model_description(model: ModuleType, trace: Trace, flavour: Flavour, guid: s
     """modelDescription.xml of `model` (FMI 2.0 section 2.2), the same bytes for the same arguments."""
     table = variables(model.VARIABLES)
     root = Element("fmiModelDescription", fmiVersion="2.0", modelName=model.NAME, guid=guid,
-                   description=model.DESCRIPTION, version=version, generationTool=TOOL,
+                   description=model.DESCRIPTION, version=version, author=AUTHOR, copyright=COPYRIGHT,
+                   license=LICENSE, generationTool=TOOL,
                    variableNamingConvention="flat")
     interface = SubElement(root, "CoSimulation", modelIdentifier=model.NAME,
                            canHandleVariableCommunicationStepSize="true", attrib=flavour.capabilities)

@@ -11,7 +11,7 @@ Plants and control laws are model modules (see `fmus.interface`). A plant that i
 A law has the inputs V, h, gamma, theta, Q, V_command, h_command, the outputs fuel_ratio and elevator, and their limits
 as parameters.
 """
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from types import ModuleType, SimpleNamespace
 from typing import Any
@@ -27,12 +27,14 @@ from .margins import Margins, frequencies, margins, response
 from .trace import symbol_namespace, trace_model
 
 Array = npt.NDArray[Any]
+DEAD = 1e-5  # a sampled pole below this is one at 0, as accurately as eigenvalues of a deadbeat can be had
 STATES = ["V", "h", "gamma", "theta", "Q", "eta1", "eta1_dot", "eta2", "eta2_dot"]
 ACTUATORS = ["fuel_ratio", "elevator"]
 SENSORS = ["V", "h", "gamma", "theta", "Q"]
 COMMANDS = ["V_command", "h_command"]
 GROUPS = ["thrust", "lift", "drag", "moment", "forces"]
 NEWTON_STEPS, STAGES, ARRIVED = 40, 4, 1e-9  # stages on the way to scaled coefficients
+STILL = 1e-5  # a state that changes by less than this of anything in a step is a memory: ARRIVED leaves so much
 SCALE = np.array([1e3, 1e3, .01, .01, .01, 1, 20, 1, 20])  # of the plant's states, for the residual
 
 
@@ -57,7 +59,7 @@ class Linear:
         """A vector in 1/s, slowest first; of a sampled system those of the continuous one with the same samples."""
         values = np.linalg.eigvals(self.A).astype(complex)
         if self.step:
-            values = np.log(np.where(values == 0, 1e-300, values)) / self.step
+            values = np.log(np.where(np.abs(values) < DEAD, 1e-300, values)) / self.step
         return by_magnitude(values)
 
     def zeros(self, source: str, target: str) -> Array:
@@ -169,7 +171,7 @@ class Sampled:
 
     def stepped(self, step: float, x: Array, u: Array, p: SimpleNamespace) -> tuple[Array, Array, Array]:
         """The state after `step` seconds with its Jacobians by x and by u."""
-        count = internal_steps(step, p.internal_step)
+        count = internal_steps(step, p.internal_step) if "internal_step" in self.parameters else 1
         h, numbers = step / count, in_table_order(p)
         c = self.trace.prepare(numbers, h)
         A, B = np.eye(len(x)), np.zeros((len(x), len(u)))
@@ -189,8 +191,8 @@ def sampled(model: ModuleType) -> Sampled:
 class Loop:
     """Plant and controller about an equilibrium, ready to be closed or cut anywhere.
 
-    x' = Ap x + Bp v,  z' = Az z + Bz m + Bc r,  y = Cz z' + Dz m + Dc r
-    with measurements m = x[:5], actuators v = y, commands r.
+    x' = Ap x + Bp v,  z' = Az z + Bz [m, r],  y = Cy z + Dy [m, r]
+    with measurements m = x[:5], actuators v = y, commands r; y is what the controller shows after its step.
     """
     x: Array
     z: Array
@@ -199,8 +201,8 @@ class Loop:
     Bp: Array
     Az: Array
     Bz: Array
-    Cz: Array
-    Dz: Array
+    Cy: Array
+    Dy: Array
     step: float
 
     def cut(self, actuator: int | None = None, sensor: int | None = None) -> Linear:
@@ -208,10 +210,10 @@ class Loop:
         Without a cut: the closed loop, from the two commands to the five measurements and two actuators."""
         nx, nz = len(self.Ap), len(self.Az)
         M = np.eye(5, nx)
-        Bm, Br, Dm, Dr = self.Bz[:, :5], self.Bz[:, 5:7], self.Dz[:, :5], self.Dz[:, 5:7]
-        Cy, Dy = self.Cz @ self.Az, Dm + self.Cz @ Bm
+        Bm, Br, Dy, Dr = self.Bz[:, :5], self.Bz[:, 5:7], self.Dy[:, :5], self.Dy[:, 5:7]
+        Cy = self.Cy
         through_v, through_m = np.ones(2), np.ones(5)
-        B = np.vstack([self.Bp @ (Dr + self.Cz @ Br), Br])
+        B = np.vstack([self.Bp @ Dr, Br])
         inputs = COMMANDS
         if actuator is not None:
             through_v[actuator] = 0
@@ -225,7 +227,7 @@ class Loop:
         A = np.block([[self.Ap + self.Bp @ np.diag(through_v) @ Dy @ seen, self.Bp @ np.diag(through_v) @ Cy],
                       [Bm @ seen, self.Az]])
         C = np.block([[M, np.zeros((5, nz))], [Dy @ seen, Cy]])
-        D = np.vstack([np.zeros((5, B.shape[1])), Dr + self.Cz @ Br if inputs is COMMANDS else np.zeros((2, 1))])
+        D = np.vstack([np.zeros((5, B.shape[1])), Dr if inputs is COMMANDS else np.zeros((2, 1))])
         outputs = [*SENSORS, *ACTUATORS]
         if inputs is not COMMANDS:
             rows = [outputs.index(inputs[0])]
@@ -250,7 +252,7 @@ def linear_loop(plant: ModuleType, law: ModuleType, gains: dict[str, Any], V: fl
     """The closed loop that holds V (ft/s), h (ft), about its own equilibrium, with a sample every `step` seconds:
     `gains` are parameters of the law, `parameters` of the plant, `scale` a factor per coefficient group.
 
-    Memories (states that no step changes) are left out. Raises NoTrim where the loop has no equilibrium, or one
+    States that take no part (memories, records) are left out. Raises NoTrim where the loop has no equilibrium, or one
     only with an actuator at its limit, and ValueError for an unknown parameter.
     """
     vehicle_model, law_model = sampled(plant), sampled(law)
@@ -281,7 +283,7 @@ def equilibrium(vehicle_model: Sampled, law: Sampled, pp: SimpleNamespace, pc: S
         z1, Az, Bz = law.stepped(step, z, m, pc)
         y, Cz, Dz = (np.array(a)[actuators] for a in law.shown(z1, m, in_table_order(pc)))
         x1, Ap, Bp = vehicle_model.stepped(step, np.array([*x, *memory]), np.array([*y.ravel(), *scale]), pp)
-        loop = Loop(x, z, y.ravel(), Ap[:9, :9], Bp[:9, :2], Az, Bz, Cz, Dz, step)
+        loop = Loop(x, z, y.ravel(), Ap[:9, :9], Bp[:9, :2], Az, Bz, Cz @ Az, Dz + Cz @ Bz, step)
         residual = np.concatenate([(x1[:9] - x), z1 - z])
         if np.abs(residual[:9] / SCALE).max() < ARRIVED and np.abs(residual[9:]).max() < ARRIVED:
             return loop
@@ -296,8 +298,13 @@ def equilibrium(vehicle_model: Sampled, law: Sampled, pp: SimpleNamespace, pc: S
 
 
 def without_memory(loop: Loop) -> Loop:
-    """The loop without the states of the law that neither it nor its inputs change."""
+    """The loop without states of the law that no step changes, and without those that no later step reads, such as what
+    was sent: neither takes part in the motion."""
     J = np.hstack([loop.Az - np.eye(len(loop.Az)), loop.Bz])
-    live = np.abs(J).max(axis=1) > 0
-    return Loop(loop.x, loop.z[live], loop.y, loop.Ap, loop.Bp, loop.Az[np.ix_(live, live)], loop.Bz[live],
-                loop.Cz[:, live], loop.Dz, loop.step)
+    live = np.abs(J).max(axis=1) > STILL
+    while True:
+        read = live & (np.abs(np.vstack([loop.Az[live], loop.Cy])).max(axis=0) > 0)
+        if read.sum() == live.sum():
+            break
+        live = read
+    return replace(loop, z=loop.z[live], Az=loop.Az[np.ix_(live, live)], Bz=loop.Bz[live], Cy=loop.Cy[:, live])

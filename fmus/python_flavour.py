@@ -1,5 +1,6 @@
 """A model as a pythonfmu FMU: its sources, a generic slave, pythonfmu's binaries."""
 import re
+from importlib.metadata import distribution
 from pathlib import Path
 from types import ModuleType
 
@@ -64,8 +65,12 @@ def resources(model: ModuleType) -> dict[str, bytes]:
 
 
 def files(model: ModuleType, trace: Trace) -> dict[str, bytes]:
-    """What the FMU is made of, but for its binaries. Raises ModelError as `model_files` does."""
-    return resources(model)
+    """What the FMU is made of, but for its binaries; with the licence of what it carries of pythonfmu.
+
+    Raises ModelError as `model_files` does.
+    """
+    licence = distribution("pythonfmu").read_text("licenses/LICENSE") or ""
+    return {**resources(model), "documentation/licenses/pythonfmu.txt": licence.encode()}
 
 
 def binaries(model: ModuleType, contents: dict[str, bytes], guid: str, arm: bool) -> dict[str, bytes]:

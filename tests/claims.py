@@ -50,7 +50,7 @@ def differentiator_poles(gains):
 def operations(model, step=0.01):
     """Elementary operations of one communication step: CasADi's instructions of the traced functions."""
     traced = trace_model(model)
-    internal = next(v.start for v in variables(model.VARIABLES) if v.name == "internal_step")
+    internal = next((v.start for v in variables(model.VARIABLES) if v.name == "internal_step"), step)
     return internal_steps(step, internal) * traced.advance.n_instructions() + traced.outputs.n_instructions()
 
 

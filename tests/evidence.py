@@ -21,14 +21,14 @@ Values = dict[str, dict]
 
 @cache
 def system(case: str, law: str, preset: str, plant: str) -> System:
-    return closed_loop(scenarios.load(case), law, plant, presets={"controller": preset}).system
+    return closed_loop(scenarios.load(case), law, plant, presets={"controller": preset} if preset else {}).system
 
 
 def with_values(base: System, values: Values) -> System:
     return replace(base, components=tuple(c.with_values(values.get(c.name, {})) for c in base.components))
 
 
-def fly(case: str, law: str = "neural", preset: str = "calibrated", values: Values | None = None,
+def fly(case: str, law: str = "neural", preset: str | None = None, values: Values | None = None,
         plant: str = "ideal", step: float = 0.01, stop: float | None = None) -> Flight:
     """A scenario flown by `law` with its preset; `values` has parameters per component, set last."""
     stop = scenarios.load(case).stop if stop is None else stop
@@ -38,7 +38,7 @@ def fly(case: str, law: str = "neural", preset: str = "calibrated", values: Valu
 class Loaded:
     """The same for many flights: the FMUs are loaded once and reset for each."""
 
-    def __init__(self, law: str = "neural", preset: str = "calibrated", plant: str = "ideal"):
+    def __init__(self, law: str = "neural", preset: str | None = None, plant: str = "ideal"):
         self.law, self.preset, self.plant = law, preset, plant
         first = system("hold", law, preset, plant)
         self.files = open_files(first)

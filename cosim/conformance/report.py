@@ -7,6 +7,7 @@ from typing import Any
 
 from rich.table import Table
 
+from ..text import html_table, html_text, printable
 from .rule import ERROR, RULES, SEVERITIES
 from .subject import Fault
 
@@ -63,10 +64,13 @@ class Report:
         """Errors first, then warnings, then notes; within a severity in the order they were found."""
         return sorted(self.findings, key=lambda f: SEVERITIES.index(f.severity))
 
-
-def printable(text: str) -> str:
-    """Names come from strangers: line feeds and control characters are shown, not obeyed."""
-    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
+    def _repr_html_(self) -> str:
+        """The findings and what was not tested, as a notebook shows them; texts from the FMU are escaped."""
+        headings = ("severity", "rule", "section", "variable", "found", "expected")
+        findings = html_table(headings, ([getattr(f, name) for name in headings] for f in self.sorted_findings()))
+        untested = html_table(("not tested", "why"), ((n.what, n.why) for n in self.not_tested))
+        verdict = html_text(f"{self.fmu.name}: {'passed' if self.passed else 'failed'}, {counted(self)}")
+        return f"<p><b>{verdict}</b></p>{findings if self.findings else ''}{untested if self.not_tested else ''}"
 
 
 def to_dict(report: Report) -> dict[str, Any]:
@@ -81,10 +85,14 @@ def to_dict(report: Report) -> dict[str, Any]:
     }
 
 
+def counted(report: Report) -> str:
+    """How many findings there are of each severity, in words."""
+    return ", ".join(f"{report.count(s)} {s}{'' if report.count(s) == 1 else 's'}" for s in SEVERITIES)
+
+
 def findings_table(report: Report) -> Table:
     """The findings as a table for a terminal (`rich.print` it)."""
-    counts = ", ".join(f"{report.count(s)} {s}{'' if report.count(s) == 1 else 's'}" for s in SEVERITIES)
-    table = Table(title=f"{report.fmu.name}: {counts}", title_justify="left", show_lines=False)
+    table = Table(title=f"{report.fmu.name}: {counted(report)}", title_justify="left", show_lines=False)
     for heading in ("severity", "rule", "section", "variable", "found", "expected"):
         table.add_column(heading, overflow="fold")
     for f in report.sorted_findings():

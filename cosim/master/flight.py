@@ -1,33 +1,43 @@
 """Flies a system from start to stop and keeps what it showed."""
 import signal
-import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ..errors import RunError, UsageError
+from ..errors import RunError, UsageError, did_you_mean
 from .algorithms import Method, method
 from .algorithms.base import Experiment
 from .fmu import Instance
 from .loaded import Master, Signal, open_files
 from .pace import Pace
+from .progress import Progress
 from .recording import CHUNK_ROWS, Recorder, Stream
+from .series import Series
 from .system import System
 
 CHUNK_S = 0.1  # wall time between two looks at the world
-Progress = Callable[[float], None]
 MakeRecorder = Callable[[list[Signal]], Recorder]
 
 
-@dataclass
+class NoSuchSignal(UsageError, KeyError):
+    """A name that is none of a flight's signals."""
+    __str__ = UsageError.__str__  # KeyError would put the sentence in quotes
+
+
+@dataclass(repr=False)
 class Flight:
-    """What a run left: one row of `signals` per recorded tick that was completed, the first at the start time."""
+    """What a run left: one row of `signals` per recorded tick that was completed, the first at the start time.
+
+    `flight["component.variable"]` is one signal, `"component.variable" in flight` and `list(flight)` tell which there
+    are. Values are in the units that the FMUs declare.
+    """
     time: np.ndarray                 # (rows,), s
     signals: np.ndarray              # (rows, columns)
     columns: list[Signal]
@@ -40,12 +50,73 @@ class Flight:
     ticks: int = 0                   # steps that were taken
     lateness: dict[str, float] | None = None   # of a paced run
 
-    def __getitem__(self, name: str) -> np.ndarray:
-        """The column called `component.variable`, shape (rows,)."""
-        return self.signals[:, [c.name for c in self.columns].index(name)]
+    @cached_property
+    def places(self) -> dict[str, int]:
+        """Signal name -> its column."""
+        return {c.name: i for i, c in enumerate(self.columns)}
+
+    def __getitem__(self, name: str) -> Series:
+        """The signal called `component.variable`: an array of shape (rows,) with `.unit`.
+
+        Raises UsageError, which is a KeyError too, if there is no such signal.
+        """
+        if name not in self.places:
+            raise NoSuchSignal(f"This flight has no signal {name}{did_you_mean(name, self.places)}")
+        place = self.places[name]
+        return Series.of(self.signals[:, place], self.columns[place])
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.places
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.places)
 
     def has(self, name: str) -> bool:
-        return any(c.name == name for c in self.columns)
+        return name in self
+
+    def to_arrow(self) -> Any:
+        """A pyarrow.Table: time (s) and every signal, with unit and description in each field's metadata."""
+        from .results import table
+
+        return table(self)
+
+    def to_pandas(self) -> Any:
+        """A pandas.DataFrame: a row per recorded tick, indexed by time (s); `.attrs["units"]` has the units.
+
+        Raises UsageError if pandas is not installed.
+        """
+        try:
+            import pandas
+        except ImportError:
+            raise UsageError("to_pandas needs pandas, which is not installed: pip install pandas.") from None
+        frame = pandas.DataFrame(self.signals, pandas.Index(self.time, name="time"), list(self.places))
+        frame.attrs["units"] = {c.name: c.unit for c in self.columns}
+        return frame
+
+    def plot(self, *names: str) -> Any:
+        """A matplotlib Figure of these signals over time (s), one panel for each unit, in the FMUs' display units.
+
+        A name may be a difference, such as `plant.h - controller.h_reference`; differences have panels of their own.
+        Raises UsageError for an unknown signal, no signal at all, or a difference of signals in different units.
+        """
+        from .plot import plot
+
+        return plot(self, names)
+
+    @property
+    def outcome(self) -> str:
+        """What happened, in one sentence."""
+        until = f"{self.time[-1]:.6g} s" if len(self.time) else "nowhere"
+        ended = "finished" if self.finished else f"ended early: {self.message.rstrip('.')}"
+        return f"Flight of {', '.join(self.fmus)} to {until} in {self.ticks} steps, {ended}."
+
+    def __repr__(self) -> str:
+        return f"<{self.outcome} {len(self.time)} rows of {len(self.columns)} signals.>"
+
+    def _repr_html_(self) -> str:
+        from .flight_page import page
+
+        return page(self)
 
 
 Begun = Callable[[Flight, dict[tuple[int, int], tuple[str, str, int]]], None]
@@ -178,17 +249,3 @@ def origins(master: Master) -> dict[str, dict[str, str]]:
     return {c.name: {"file": str(c.fmu), "model": file.description.modelName or "", "guid": file.description.guid or "",
                      "sha256": file.sha256, "generation_tool": file.description.generationTool or ""}
             for c in master.system.components for file in [master.files[c.name]]}
-
-
-def progress_bar(title: str, stop: float) -> tuple[Any, Progress | None]:
-    """A context manager and a progress function: a bar on stderr, or nothing if that is no terminal."""
-    from contextlib import nullcontext
-
-    if not sys.stderr.isatty():
-        return nullcontext(), None
-    from rich.console import Console
-    from rich.progress import Progress as Bar
-
-    bar = Bar(console=Console(stderr=True), transient=True)
-    task = bar.add_task(title, total=stop)
-    return bar, lambda t: bar.update(task, completed=t)

@@ -72,13 +72,14 @@ def existing(path: Path) -> Path:
     return path
 
 
-def preset(path: Path, name: str) -> dict[str, Value]:
+def preset(path: str | Path, name: str) -> dict[str, Value]:
     """The values of the preset `name`, an SSP parameter set that the FMU at `path` carries in its resources.
 
     Raises UsageError if there is no such FMU or no such preset.
     """
+    path = existing(Path(path))
     try:
-        with zipfile.ZipFile(existing(path)) as archive:
+        with zipfile.ZipFile(path) as archive:
             members = {PurePosixPath(m).stem: m for m in sorted(archive.namelist())
                        if m.startswith("resources/presets/") and m.endswith(".ssv")}
             if name not in members:
@@ -92,6 +93,11 @@ def preset(path: Path, name: str) -> dict[str, Value]:
         text = element.get("value", "")
         values[parameter.get("name", "")] = text == "true" if element.tag == f"{SSV}Boolean" else float(text)
     return values
+
+
+def settable(v: ScalarVariable) -> bool:
+    """True if `v` may be set before initialisation (FMI 2.0 section 2.2.7)."""
+    return v.variability != "constant" and (v.causality in ("parameter", "input") or v.initial in ("exact", "approx"))
 
 
 @dataclass
@@ -151,8 +157,7 @@ class FmuFile:
         """`value` in the type of the variable `name`; UsageError if it may not be set to that."""
         v = self.variable(name)
         full = f"{component}.{name}"
-        settable = v.causality in ("parameter", "input") or v.initial in ("exact", "approx")  # FMI 2.0 section 2.2.7
-        if v.variability == "constant" or not settable:
+        if not settable(v):
             raise UsageError(f"{full} is an {v.causality} and cannot be set.")
         if v.type == "String":
             return str(value)
@@ -165,7 +170,7 @@ class FmuFile:
             value = in_unit_of(v, self.description, value, full)
         try:
             number = float(value)
-        except ValueError:
+        except (TypeError, ValueError):
             raise UsageError(f"{full} = {value} is not allowed: it must be a number.") from None
         low = float(v.min) if v.min is not None else -math.inf
         high = float(v.max) if v.max is not None else math.inf

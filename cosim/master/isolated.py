@@ -17,7 +17,8 @@ import numpy as np
 
 from ..errors import RunError, UsageError
 from . import last_call
-from .flight import Flight, Progress, fly, interruptions, make_recorder
+from .flight import Flight, fly, interruptions, make_recorder
+from .progress import Progress
 from .recording import CHUNK_ROWS, Recorder
 from .system import System
 from .wiring import Signal

@@ -3,15 +3,17 @@ import json
 import platform
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pyarrow as pa
 import pyarrow.csv
 import pyarrow.parquet
 
 from ..errors import UsageError
-from .flight import Flight
 from .recording import schema
+
+if TYPE_CHECKING:
+    from .flight import Flight
 
 PACKAGES = ("ahv", "fmpy", "pythonfmu", "numpy", "casadi")
 
@@ -27,14 +29,14 @@ def prepare_folder(out: Path) -> None:
         raise UsageError(f"--out {out} cannot be written to: {error.strerror}.") from None
 
 
-def table(flight: Flight, decimate: int = 1) -> pa.Table:
+def table(flight: "Flight", decimate: int = 1) -> pa.Table:
     """Every `decimate`-th row and the last, with unit and description of each column in its metadata."""
     rows = sorted({*range(0, len(flight.time), decimate), len(flight.time) - 1})
     arrays = [flight.time[rows], *flight.signals[rows].T]
     return pa.Table.from_arrays([pa.array(a) for a in arrays], schema=schema(flight.columns))
 
 
-def write(out: Path, flight: Flight, summary: dict[str, Any], decimate: int = 1, streamed: bool = False) -> None:
+def write(out: Path, flight: "Flight", summary: dict[str, Any], decimate: int = 1, streamed: bool = False) -> None:
     """Write the signals (unless they were `streamed` there) and run.json below `out`; figures are `vehicle.figures`'
     part."""
     if not streamed:

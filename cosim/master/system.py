@@ -1,18 +1,35 @@
 """A system to fly, as data: which FMUs, with which values, wired how."""
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
+
+from ..errors import UsageError
 
 Value = float | int | bool | str
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, init=False)
 class Component:
-    """One FMU instance: its name in the system, its file, and the start values and parameters to set."""
+    """One FMU instance: its name in the system, its file, and the start values and parameters to set.
+
+    Values are in the units that the FMU declares. Raises UsageError for a name that is empty or has a dot.
+    """
     name: str
     fmu: Path
-    values: dict[str, Value] = field(default_factory=dict)
+    values: dict[str, Value]
 
-    def with_values(self, values: dict[str, Value]) -> "Component":
+    def __init__(self, name: str, fmu: str | Path, values: Mapping[str, Value] | None = None):
+        if not isinstance(name, str) or not name or "." in name:
+            raise UsageError(f"The component name {name!r} is not allowed: it must be a text without dots.")
+        if not isinstance(fmu, str | Path):
+            raise UsageError(f"The FMU of {name} is {fmu!r}; it must be the path of a file.")
+        if not isinstance(values, Mapping | None):
+            raise UsageError(f"The values of {name} are {values!r}; they must be a dict such as {{'mass': 300.0}}.")
+        assign(self, name=name, fmu=Path(fmu), values=dict(values or {}))
+
+    def with_values(self, values: Mapping[str, Value]) -> "Component":
+        """The same component with `values` set as well; they replace those of the same names."""
         return replace(self, values={**self.values, **values})
 
 
@@ -25,8 +42,41 @@ class Connection:
     offset: float = 0.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, init=False)
 class System:
-    """Components in the order in which they step, and the connections between them."""
+    """Components in the order in which they step, and the connections between them.
+
+    `step`, `stop` and `start` (s) are what the system's file suggests; None if it does not say.
+    Raises UsageError for two components of the same name, or for entries that are none.
+    """
     components: tuple[Component, ...]
     connections: tuple[Connection, ...]
+    step: float | None
+    stop: float | None
+    start: float
+
+    def __init__(self, components: Sequence[Component], connections: Sequence[Connection] = (),
+                 step: float | None = None, stop: float | None = None, start: float = 0.0):
+        assign(self, components=checked(components, Component), connections=checked(connections, Connection),
+               step=step, stop=stop, start=start)
+        names = [c.name for c in self.components]
+        for name in names:
+            if names.count(name) > 1:
+                raise UsageError(f"Two components are called {name}.")
+
+
+def assign(frozen: Any, **values: Any) -> None:
+    """Set attributes of a frozen dataclass, in its __init__."""
+    for name, value in values.items():
+        object.__setattr__(frozen, name, value)
+
+
+def checked(given: Any, kind: type) -> tuple[Any, ...]:
+    """`given` as a tuple. Raises UsageError unless it is a sequence of `kind`."""
+    word = kind.__name__.lower()
+    if isinstance(given, str) or not isinstance(given, Sequence):
+        raise UsageError(f"A system's {word}s must be a list of cosim.{kind.__name__}, not {given!r}.")
+    for entry in given:
+        if not isinstance(entry, kind):
+            raise UsageError(f"A system's {word}s must be cosim.{kind.__name__} each; {entry!r} is not.")
+    return tuple(given)

@@ -10,10 +10,11 @@ has its instance, the addresses of its functions, and the range of its slots. Ad
 compiled loop can call FMUs that were loaded a moment ago.
 """
 import ctypes
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
 
 import numpy as np
+from fmpy.model_description import ModelDescription, ScalarVariable
 
 from ..errors import UsageError
 from .fmu import CALL_SUFFIX, FmuFile, Instance
@@ -27,10 +28,25 @@ LONGEST_TEXT = 4096
 
 @dataclass(frozen=True)
 class Signal:
-    """One column of the results."""
+    """One column of the results; display = display_factor * value + display_offset, empty if it is not declared."""
     name: str
     unit: str
     description: str
+    display_unit: str = ""
+    display_factor: float = 1.0
+    display_offset: float = 0.0
+
+
+def signal(name: str, description: ModelDescription, variable: ScalarVariable) -> Signal:
+    """What the FMU declares of `variable`, or of its type (FMI 2.0 section 2.2.7)."""
+    declared = variable.declaredType
+    unit = variable.unit or getattr(declared, "unit", None) or ""
+    wanted = variable.displayUnit or getattr(declared, "displayUnit", None)
+    display = next((d for u in description.unitDefinitions if u.name == unit for d in u.displayUnits
+                    if d.name == wanted), None)
+    declares = Signal(name, unit, variable.description or "")
+    return replace(declares, display_unit=display.name, display_factor=float(display.factor),
+                   display_offset=float(display.offset)) if display else declares
 
 
 @dataclass
@@ -154,7 +170,7 @@ class Wirer:
                     nominal.append(abs(float(v.nominal or 1.0)) or 1.0)
                     smooth.append(v.type == "Real" and v.variability in (None, "continuous"))
                     if name in self.recorded:
-                        w.columns.append(Signal(name, v.unit or "", v.description or ""))
+                        w.columns.append(signal(name, instance.file.description, v))
             bounds.append((first, len(self.slot)))
         w.slots, w.holder = list(self.slot), np.array(holder, np.int64)
         w.nominal, w.smooth = np.array(nominal, float), np.array(smooth, bool)

@@ -1,9 +1,8 @@
 """SSP archives: unpacked safely into a temporary folder, and written so that equal contents give equal bytes."""
 import shutil
 import tempfile
+import weakref
 import zipfile
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 from ..errors import UsageError
@@ -11,21 +10,26 @@ from ..master.unpack import BadArchive, safe_extract
 from ..master.whole_file import whole
 
 
-@contextmanager
-def unpacked(path: Path) -> Iterator[Path]:
-    """The folder that `path` is unpacked to, for as long as the context lasts.
+class Folder:
+    """A temporary folder that is removed when this object is closed or unused, and at the end of the program."""
+
+    def __init__(self) -> None:
+        self.path = Path(tempfile.mkdtemp(prefix="ahv_ssp_"))
+        self.close = weakref.finalize(self, shutil.rmtree, self.path, ignore_errors=True)
+
+
+def unpacked(path: Path) -> Folder:
+    """The folder that `path` is unpacked to.
 
     Raises UsageError if it is no zip archive, or if its paths or sizes are not safe.
     """
-    folder = Path(tempfile.mkdtemp(prefix="ahv_ssp_"))
+    folder = Folder()
     try:
-        try:
-            safe_extract(path, folder)
-        except BadArchive as error:
-            raise UsageError(f"{path} cannot be opened: {error}.") from None
-        yield folder
-    finally:
-        shutil.rmtree(folder, ignore_errors=True)
+        safe_extract(path, folder.path)
+    except BadArchive as error:
+        folder.close()
+        raise UsageError(f"{path} cannot be opened: {error}.") from None
+    return folder
 
 
 def write(path: Path, files: dict[str, bytes]) -> None:

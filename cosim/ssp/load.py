@@ -1,13 +1,14 @@
 """An SSP file as a system that the master flies."""
-from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass
+from collections.abc import Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Self
 
 from ..errors import UsageError, did_you_mean
 from ..master.fmu import FmuFile
-from ..master.system import Component, Connection, System, Value
-from .archive import unpacked
+from ..master.system import Component, Connection, System, Value, assign
+from .archive import Folder, unpacked
 from .connections import Tracer
 from .parameters import Given, bound, inside
 from .structure import ElementPath, Point, Structure, called, read, shown
@@ -17,31 +18,51 @@ from .xml import SSD, parse
 SSD_FILE = "SystemStructure.ssd"
 
 
-@dataclass(frozen=True)
-class Loaded:
-    """A system with what its file says about an experiment, which may be nothing."""
+@dataclass(frozen=True, init=False)
+class LoadedSsp(System):
+    """The system in an SSP file, with the start, stop and step that the file suggests.
+
+    Its FMUs are unpacked for as long as this object is in use, or until `close`, or the end of a `with` block.
+    """
     name: str
-    system: System
-    start: float
-    stop: float | None
-    step: float | None
     sources: dict[str, str]     # component -> its FMU's place in the SSP
     ignored: list[str]          # parameters that fit no variable
+    folder: Folder = field(repr=False, compare=False)
+
+    def __init__(self, components: Sequence[Component], connections: Sequence[Connection], step: float | None,
+                 stop: float | None, start: float, name: str, sources: dict[str, str], ignored: list[str],
+                 folder: Folder):
+        super().__init__(components, connections, step, stop, start)
+        assign(self, name=name, sources=sources, ignored=ignored, folder=folder)
+
+    def close(self) -> None:
+        """Remove the unpacked FMUs: the system cannot be flown any more."""
+        self.folder.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
 
 
-@contextmanager
-def loaded(path: Path) -> Iterator[Loaded]:
-    """The system in the SSP file at `path`; its FMUs are unpacked for as long as the context lasts.
+def load_ssp(path: str | Path) -> LoadedSsp:
+    """The system in the SSP file at `path`, ready to fly.
 
     Raises UsageError, one sentence, for what is broken or not supported.
     """
-    with unpacked(path) as folder:
-        ssd = folder / SSD_FILE
+    path = Path(path)
+    folder = unpacked(path)
+    try:
+        ssd = folder.path / SSD_FILE
         if not ssd.is_file():
             raise UsageError(f"{path} has no {SSD_FILE}: it is not an SSP.")
         structure = read(parse(ssd.read_bytes(), SSD_FILE, SSD + "SystemStructureDescription"))
         with ExitStack() as stack:
-            yield assembled(structure, folder, opened(structure, folder, stack))
+            return assembled(structure, folder, opened(structure, folder.path, stack))
+    except BaseException:
+        folder.close()  # at once, since a traceback keeps what it has seen
+        raise
 
 
 def opened(structure: Structure, folder: Path, stack: ExitStack) -> dict[ElementPath, FmuFile]:
@@ -67,11 +88,10 @@ def open_fmu(path: Path, source: str) -> FmuFile:
         raise UsageError(str(error).replace(str(path), source)) from None
 
 
-def assembled(structure: Structure, folder: Path, files: dict[ElementPath, FmuFile]) -> Loaded:
+def assembled(structure: Structure, folder: Folder, files: dict[ElementPath, FmuFile]) -> LoadedSsp:
     """The system of a structure whose FMUs are open.
 
     Raises UsageError for connectors, connections or values that do not fit the FMUs.
-
     """
     check_connectors(structure, files)
 
@@ -84,7 +104,7 @@ def assembled(structure: Structure, folder: Path, files: dict[ElementPath, FmuFi
             return None
         return unit_of_variable(files[path].description, files[path].variables[name])
 
-    values, ignored = bound(structure, folder, lambda path, name: name in files[path].variables)
+    values, ignored = bound(structure, folder.path, lambda path, name: name in files[path].variables)
     tracer = Tracer(structure, unit_of)
     connections, components, sources = [], [], {}
     for element in structure.components():
@@ -104,9 +124,9 @@ def assembled(structure: Structure, folder: Path, files: dict[ElementPath, FmuFi
         components.append(Component(flat(path), file.path, checked))
         sources[flat(path)] = element.source or ""
     check_names(components)
-    return Loaded(structure.name, System(tuple(components), tuple(connections)), structure.start or 0.0,
-                  structure.stop or max(declared(files, "stopTime"), default=None),
-                  structure.step or min(declared(files, "stepSize"), default=None), sources, ignored)
+    return LoadedSsp(components, connections, structure.step or min(declared(files, "stepSize"), default=None),
+                     structure.stop or max(declared(files, "stopTime"), default=None), structure.start or 0.0,
+                     structure.name, sources, ignored, folder)
 
 
 def flat(path: ElementPath) -> str:

@@ -3,10 +3,10 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import UsageError
-from ..master.flight import progress_bar
 from ..master.isolated import fly_isolated
+from ..master.progress import progress_bar
 from ..master.results import prepare_folder, write
-from .load import loaded
+from .load import load_ssp
 from .notes import note
 
 DEFAULT_STEP = 0.01  # s, as that of `ahv run`
@@ -18,7 +18,7 @@ def simulate(path: Path, step: float | None, stop: float | None, algorithm: str,
 
     Raises UsageError for a file or numbers that do not fit, RunError if the FMUs cannot be started.
     """
-    with loaded(path) as found:
+    with load_ssp(path) as found:
         end = found.stop if stop is None else stop
         size = (found.step or DEFAULT_STEP) if step is None else step
         if found.start != 0:
@@ -33,7 +33,7 @@ def simulate(path: Path, step: float | None, stop: float | None, algorithm: str,
         prepare_folder(folder)
         bar, progress = progress_bar(found.name, end)
         with bar:
-            flight = fly_isolated(found.system, size, end, algorithm, progress)  # a stranger's FMUs may crash
+            flight = fly_isolated(found, size, end, algorithm, progress)  # a stranger's FMUs may crash
     for component, fmu in flight.fmus.items():
         fmu["file"] = f"{path}/{found.sources[component]}"
     last = float(flight.time[-1])

@@ -155,8 +155,9 @@ def closed_loop(scenario: Scenario, controller: str = "neural", plant: str = "id
              "plant": chosen("plant", plant, PLANTS, flavour, folder)}
     names, said_by = whose_preset(presets or {}, scenario, {c: part.preset for c, part in parts.items()})
     given = merged(assignments([f"{name}={value}" for name, value in scenario.set.items()]), values or {})
+    check_scenario(scenario, parts)
     for component in {*names, *given} - set(parts):
-        raise UsageError(f"There is no component {component}; there are {', '.join(parts)}.")
+        raise UsageError(no_component(component, parts))
     commanded = following(parts["plant"].fmu, given.get("plant", {}))
     flown = merged({c: preset(part.fmu, names[c]) for c, part in parts.items() if c in names},
                    {"scenario": commanded}, given)
@@ -167,6 +168,32 @@ def closed_loop(scenario: Scenario, controller: str = "neural", plant: str = "id
     links, notes = fitting(components, foreign) if foreign else (LINKS, [])
     return ClosedLoop(wired(**components, links=links), parts["controller"].name, parts["plant"].name, names, said_by,
                       bool(foreign), notes)
+
+
+def check_scenario(scenario: Scenario, parts: Mapping[str, Choice]) -> None:
+    """Raises UsageError, with file and line where there is one, for a preset or a value that the FMUs do not have."""
+    from ..master.fmu import preset
+
+    for component, name in scenario.presets.items():
+        with scenario.at("presets", component):
+            if component not in parts:
+                raise UsageError(no_component(component, parts))
+            preset(parts[component].fmu, name)
+    for component, part in parts.items():
+        mine = {name: value for name, value in scenario.set.items() if name.partition(".")[0] == component}
+        if mine:
+            with opened(part.fmu) as file:
+                for name, value in mine.items():
+                    with scenario.at("set", name):
+                        file.checked(name.partition(".")[2], value, component)
+    for name in scenario.set:
+        if name.partition(".")[0] not in parts:
+            with scenario.at("set", name):
+                raise UsageError(no_component(name.partition(".")[0], parts))
+
+
+def no_component(name: str, known: Iterable[str]) -> str:
+    return f"There is no component {name}; there are {', '.join(known)}."
 
 
 def following(plant: Path, values: Mapping[str, Value]) -> dict[str, Value]:

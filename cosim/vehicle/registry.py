@@ -25,6 +25,8 @@ def by_word(*models: Model) -> dict[str, Model]:
 LAWS = by_word(
     Model("neural", "AhvController", "ahv_ctrl_fmu.neural_model", "the paper's adaptive neural law", "calibrated",
           ("calibrated", "robust")),
+    Model("resilient", "AhvResilient", "ahv_ctrl_fmu.resilient_model",
+          "a law that keeps the vehicle when its coefficients err on their own", "quiet", ("quiet",)),
     Model("backstepping", "AhvBackstepping", "ahv_ctrl_fmu.backstepping_model",
           "the law that the paper compares with, reconstructed", "calibrated", ("calibrated",), "a reconstruction"),
 )

@@ -4,8 +4,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ..master.flight import Flight, progress_bar
+from ..master.flight import Flight
 from ..master.isolated import launch
+from ..master.progress import progress_bar
 from . import scenarios
 from .closed_loop import ClosedLoop, Values, closed_loop
 from .metrics import metrics

@@ -35,7 +35,7 @@ def shape(base, unit):
         ("square", unit, 0.0, None, None, "height of the square wave, high first"),
         ("square_period", "s", 200.0, 1e-3, None, "period of the square wave"),
         ("sine", unit, 0.0, None, None, "amplitude of the sinusoid"),
-        ("sine_omega", "rad/s", 1.0, 0.0, 1000.0, "angular frequency of the sinusoid"),
+        ("sine_omega", "rad/s frequency", 1.0, 0.0, 1000.0, "angular frequency of the sinusoid"),
         ("sine_phase", "rad", 0.0, -2 * pi, 2 * pi, "phase of the sinusoid at t = 0"),
         ("sine_gate_start", "s", 0.0, 0.0, None, "the sinusoid acts from this time on"),
         ("sine_gate_period", "s", FOREVER, 1e-3, None, "and again after each such period"),

@@ -1,21 +1,27 @@
 """What to fly: the built-in scenarios, and one's own as YAML files."""
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 
-import yaml
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, PrivateAttr
 
-from ..errors import UsageError
+from ..errors import UsageError, nearest
+from ..yaml_file import Source
 
 
 class Scenario(BaseModel):
     """A flight: how long, which presets, which values. Components are scenario, controller and plant."""
     model_config = ConfigDict(extra="forbid", frozen=True)
 
-    name: str
+    name: str = Field(pattern=r"^\w[\w.-]*$", max_length=100)
     stop: float = Field(gt=0, allow_inf_nan=False, description="s")
     presets: dict[str, str] = Field(default={}, description="component -> preset of its FMU")
     set: dict[str, float | bool | str] = Field(default={}, description="component.variable -> value")
     first_figure: int | None = Field(default=None, description="number of the first figure, as in the paper")
+    _source: Source | None = PrivateAttr(default=None)
+
+    def at(self, *place: str) -> AbstractContextManager[None]:
+        """Errors raised inside get the file, line and field of `place`, if the scenario is from a file."""
+        return self._source.at(*place) if self._source else nullcontext()
 
 
 BUILT_IN = {
@@ -28,22 +34,16 @@ BUILT_IN = {
 def load(word: str) -> Scenario:
     """The built-in scenario called `word`, or the one in the YAML file at that path.
 
-    Raises UsageError if there is none, or if the file is not a scenario.
+    Raises UsageError if there is none, or, with line and field, if the file is not a scenario.
     """
     if word in BUILT_IN:
         return BUILT_IN[word]
     path = Path(word)
     if not path.is_file():
-        from difflib import get_close_matches
-
-        near = get_close_matches(word, BUILT_IN, 1)
-        hint = f" Did you mean {near[0]}?" if near else ""
+        near = nearest(word, BUILT_IN)
+        hint = f" Did you mean {near}?" if near else ""
         raise UsageError(f"{word} is neither a scenario ({', '.join(BUILT_IN)}) nor a file.{hint}")
-    try:
-        return Scenario.model_validate(yaml.safe_load(path.read_text()))
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise UsageError(f"{path} is not YAML: {' '.join(str(error).split())}") from None
-    except ValidationError as error:
-        first = error.errors()[0]
-        field = ".".join(str(part) for part in first["loc"]) or "the file"
-        raise UsageError(f"{path}: {field}: {first['msg']}.") from None
+    source = Source(path, "scenario file")
+    scenario = source.load(Scenario)
+    scenario._source = source
+    return scenario

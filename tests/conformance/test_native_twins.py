@@ -96,7 +96,7 @@ def test_one_step_of_the_plant_from_anywhere(pair, start, held):
     assert pair.worst_of_one_step(start, held, held, [("start_at_trim", False)]) < 1e-12
 
 
-@pytest.mark.parametrize("pair", ["AhvController", "AhvBackstepping"], indirect=True)
+@pytest.mark.parametrize("pair", ["AhvController", "AhvBackstepping", "AhvResilient"], indirect=True)
 @THOUSAND
 @given(st.fixed_dictionaries(CONTROLLER_INPUT), st.fixed_dictionaries(CONTROLLER_INPUT))
 def test_one_step_of_a_controller_from_anywhere(pair, at_start, held):

@@ -40,11 +40,17 @@ def test_an_output_folder_that_cannot_be_written_is_noticed_before_flying(tmp_pa
 
 
 @pytest.mark.parametrize("text,sentence", [
-    ("name: x\nstop: -1\n", "stop: Input should be greater than 0"),
-    ("name: x\nstop: 1\nspeed: 3\n", "speed: Extra inputs are not permitted"),
+    ("name: x\nstop: -1\n", "own.yaml, line 2: stop: Input should be greater than 0, not -1."),
+    ("name: x\nstop: 1\nsotp: 3\n", "own.yaml, line 3: sotp: there is no such field; did you mean stop?"),
+    ("stop: 1\n", "own.yaml, line 1: name is missing."),
+    ("name: x\nname: y\nstop: 1\n", "own.yaml, line 2: name is given twice."),
     ("name: [x\n", "is not YAML"),
     ("just words\n", "Input should be"),
-    ("name: x\nstop: 1\nset: {plant.V_start: {}}\n", "set.plant.V_start"),
+    ("name: x\nstop: 1\nset: {plant.V_start: {}}\n", "line 3: set.plant.V_start"),
+    ("name: x\nstop: 1\nset:\n  plant.V_sart: 8000\n", "line 4: set.plant.V_sart: AhvPlant.fmu has no variable"),
+    ("name: x\nstop: 1\nset:\n  plant.V_start: 80\n", "line 4: set.plant.V_start: plant.V_start = 80.0 is not"),
+    ("name: x\nstop: 1\nset:\n  plnt.V_start: 80\n", "line 4: set.plnt.V_start: There is no component plnt"),
+    ("name: x\nstop: 1\npresets: {plant: glider}\n", "line 3: presets.plant: AhvPlant.fmu has no preset glider"),
 ])
 def test_a_scenario_file_that_is_wrong_names_its_field(text, sentence, tmp_path):
     (tmp_path / "own.yaml").write_text(text)

@@ -10,7 +10,7 @@ from cosim.master.fmu import Instance
 from cosim.master.initialise import initialise
 from cosim.master.loaded import open_files
 from cosim.master.wiring import checked_connections
-from cosim.ssp.load import loaded
+from cosim.ssp.load import load_ssp
 
 TICKS = 2000
 
@@ -28,12 +28,12 @@ CLOCKS = {   # start and length of step k
 
 def flown(path, clock):
     """Names and rows of all Real outputs, by the plainest Jacobi loop."""
-    with loaded(path) as found, open_files(found.system) as files:
-        targets = checked_connections(found.system, files)
+    with load_ssp(path) as found, open_files(found) as files:
+        targets = checked_connections(found, files)
         instances = {name: Instance(file, name) for name, file in files.items()}
-        for component in found.system.components:
+        for component in found.components:
             instances[component.name].set(component.values)
-        initialise(found.system, instances, targets, 0.0, TICKS * STEP)
+        initialise(found, instances, targets, 0.0, TICKS * STEP)
         shown = {name: [n for n in file.names("output") if file.variable(n).type == "Real"]
                  for name, file in files.items()}
         rows = []

@@ -80,3 +80,18 @@ def test_a_scenario_can_be_made_in_python():
     loop = closed_loop(Scenario(name="own", stop=5, presets={"plant": "estimated-coupling"}), controller="backstepping")
     assert loop.presets == {"scenario": "hold", "controller": "calibrated", "plant": "estimated-coupling"}
     assert loop.preset_from["plant"] == "scenario"
+
+
+@pytest.mark.parametrize("word,lines", [
+    ("controller", ["presets: calibrated, coupled, printed, robust, steady", "k_gamma", "measured pitch rate"]),
+    ("backstepping", ["AhvBackstepping"]),
+    ("plant", ["theta_start", "initial pitch angle, if not at trim"]),
+    ("case2", ["stop: 300 s", "scenario.V_command_step_count"]),
+])
+def test_info_shows_what_can_be_set(word, lines):
+    found = ahv("info", word)
+    assert all(line in found for line in lines)
+
+
+def test_info_of_a_word_that_is_nothing_suggests_one():
+    assert "did you mean plant?" in ahv("info", "plnt", status=2)

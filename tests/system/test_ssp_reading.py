@@ -20,14 +20,14 @@ from ssp_files import (
 from test_cases import AHV, ahv
 
 from cosim.errors import UsageError
-from cosim.ssp.load import loaded
+from cosim.ssp.load import load_ssp
 
 
 @pytest.fixture
 def read(tmp_path):
     """Reads the SSP with this description, and files."""
     def reading(description, **files):
-        with loaded(write(tmp_path / "test.ssp", description, **files)) as found:
+        with load_ssp(write(tmp_path / "test.ssp", description, **files)) as found:
             return found
     return reading
 
@@ -41,18 +41,18 @@ def pair(start_unit, end_unit, inner="", **attributes):
     ("km", "m", 1000, 0), ("m", "km", 0.001, 0), ("degC", "K", 1, 273.15), ("degF", "degC", 5 / 9, -160 / 9),
     ("m", "m", 1, 0), (None, "m", 1, 0), ("m", None, 1, 0)])
 def test_units_are_converted(start, end, factor, offset, read):
-    link, = read(pair(start, end)).system.connections
+    link, = read(pair(start, end)).connections
     assert (link.source, link.target) == ("a.y", "b.u")
     assert (link.factor, link.offset) == (pytest.approx(factor), pytest.approx(offset))
 
 
 def test_the_linear_transformation_comes_after_the_conversion(read):
-    link, = read(pair("degC", "K", linear(2, 1))).system.connections
+    link, = read(pair("degC", "K", linear(2, 1))).connections
     assert (link.factor, link.offset) == (2, pytest.approx(2 * 273.15 + 1))
 
 
 def test_a_suppressed_conversion_leaves_the_linear_transformation(read):
-    link, = read(pair("degC", "m", linear(2, 1), suppressUnitConversion="true")).system.connections
+    link, = read(pair("degC", "m", linear(2, 1), suppressUnitConversion="true")).connections
     assert (link.factor, link.offset) == (2, 1)
 
 
@@ -68,8 +68,8 @@ def nested(connectors_unit=None, bindings=""):
 @pytest.mark.parametrize("middle", [None, "km"])
 def test_connections_lead_through_nested_systems_in_the_order_of_their_steps(middle, read):
     found = read(ssd(nested(middle)))
-    assert [c.name for c in found.system.components] == ["a", "inner/b", "inner/c", "d"]
-    links = {k.target: (k.source, k.factor, k.offset) for k in found.system.connections}
+    assert [c.name for c in found.components] == ["a", "inner/b", "inner/c", "d"]
+    links = {k.target: (k.source, k.factor, k.offset) for k in found.connections}
     assert links == {"inner/b.u": ("a.y", 2000, 5000), "inner/c.u": ("inner/b.y", 1, 0),
                      "d.u": ("inner/c.y", 30, 10)}
 
@@ -78,36 +78,36 @@ def test_root_connectors_may_stay_open_and_take_start_values(read):
     own = connector("in", "input", "km") + connector("other", "input") + connector("out", "output")
     links = connection(".in", "a.u", linear(2, 0)) + connection("a.y", ".out")
     found = read(ssd(system("root", component("a", u="m"), links, own, inline(parameter("in", 3)))))
-    assert found.system.connections == ()
-    assert found.system.components[0].values == {"u": 6000}
+    assert found.connections == ()
+    assert found.components[0].values == {"u": 6000}
 
 
 def test_values_of_every_type_reach_their_variables(read):
     values = inline(parameter("k", 2.5), parameter("n", 3, "Integer"), parameter("on", "0", "Boolean"),
                     parameter("label", "x &lt; y", "String"))
     found = read(ssd(system("root", component("a", bindings=values))))
-    assert found.system.components[0].values == {"k": 2.5, "n": 3, "on": False, "label": "x < y"}
+    assert found.components[0].values == {"k": 2.5, "n": 3, "on": False, "label": "x < y"}
 
 
 def test_later_bindings_come_before_earlier_ones_and_outer_before_inner(read):
     inner = inline(parameter("k", 1), parameter("n", 1, "Integer")) + inline(parameter("n", 2, "Integer"))
     outer = inline(parameter("k", 3), prefix="a.") + inline(parameter("a.on", "false", "Boolean"))
     found = read(ssd(system("root", component("a", bindings=inner), bindings=outer)))
-    assert found.system.components[0].values == {"k": 3, "n": 2, "on": False}
+    assert found.components[0].values == {"k": 3, "n": 2, "on": False}
 
 
 def test_hierarchical_names_reach_into_nested_systems_and_others_are_told(read):
     values = inline(parameter("inner.b.k", 7), parameter("inner.c.n", 8, "Integer"), parameter("inner.b.kk", 9))
     found = read(ssd(nested().replace("<ssd:Elements>", f"<ssd:ParameterBindings>{values}</ssd:ParameterBindings>"
                                                         f"<ssd:Elements>", 1)))
-    assert {c.name: c.values for c in found.system.components if c.values} == {"inner/b": {"k": 7}, "inner/c": {"n": 8}}
+    assert {c.name: c.values for c in found.components if c.values} == {"inner/b": {"k": 7}, "inner/c": {"n": 8}}
     assert found.ignored == ["the system: inner.b.kk"]
 
 
 def test_a_parameter_is_converted_to_the_unit_of_its_connector(read):
     values = inline(parameter("k", 2, unit="km"))
     element = component("a", bindings=values, more=connector("k", "parameter", "m"))
-    assert read(ssd(system("root", element))).system.components[0].values == {"k": 2000}
+    assert read(ssd(system("root", element))).components[0].values == {"k": 2000}
 
 
 def test_a_mapping_renames_converts_and_transforms(read):
@@ -115,7 +115,7 @@ def test_a_mapping_renames_converts_and_transforms(read):
                     '<ssm:MappingEntry source="gain" target="u" suppressUnitConversion="true"/>')
     values = inline(parameter("gain", 3, unit="km"), parameter("n", 5, "Integer"), mapped=names)
     element = component("a", u="m", bindings=values, more=connector("k", "parameter", "m"))
-    assert read(ssd(system("root", element))).system.components[0].values == {"k": 6001, "u": 3}
+    assert read(ssd(system("root", element))).components[0].values == {"k": 6001, "u": 3}
 
 
 def test_parameter_sets_are_read_from_the_archive_and_from_the_fmu(read, native_fmus):
@@ -126,8 +126,8 @@ def test_parameter_sets_are_read_from_the_archive_and_from_the_fmu(read, native_
              '</ssd:ParameterBindings></ssd:Component>')
     element = component("a", bindings='<ssd:ParameterBinding source="resources/my%20values.ssv"/>')
     found = read(ssd(system("root", element + other)), **files)
-    assert found.system.components[0].values == {"k": 4}
-    assert found.system.components[1].values["V_command_step"] == 0
+    assert found.components[0].values == {"k": 4}
+    assert found.components[1].values["V_command_step"] == 0
 
 
 def test_the_experiment_is_the_files_or_the_fmus(read, native_fmus):
@@ -169,7 +169,7 @@ def test_what_tools_write_beside_the_schema_is_passed_over_and_told(read, capsys
     element = component("a").replace("</ssd:Component>", "<ssd:ParameterBindings/></ssd:Component>")
     inner = system("root", element).replace("<ssd:Elements>", "<ssd:Connectors/><ssd:Elements>")
     found = read(ssd(inner, '<ssd:DefaultExperiment start="10" stopTime="1"/>'))
-    assert found.stop == 1 and [c.name for c in found.system.components] == ["a"]
+    assert found.stop == 1 and [c.name for c in found.components] == ["a"]
     told = capsys.readouterr().err.splitlines()
     assert len(told) == 3 and "The attribute 'start' is not allowed. That is ignored." in told[-1]
 

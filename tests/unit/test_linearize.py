@@ -1,18 +1,26 @@
 """Linear systems from the traced models: against difference quotients, flights and hand calculation."""
+from importlib import import_module
+
 import numpy as np
 import pytest
 from evidence import fly
 
-from ahv_ctrl_fmu import backstepping_model, neural_model
+from ahv_ctrl_fmu import neural_model
 from ahv_plant_fmu import model as plant
 from ahv_plant_fmu.equations import derivative
 from ahv_plant_fmu.trim import NOMINAL
+from cosim.vehicle.registry import LAWS
 from fmus import floats
 from fmus.linear_report import preset_gains
 from fmus.linearize import ACTUATORS, GROUPS, SENSORS, NoTrim, linear_loop, linear_vehicle, values_of, vehicle_trim
 from fmus.margins import frequencies, margins, response
 
-LAWS = {"neural": neural_model, "backstepping": backstepping_model}
+
+def gains_of(law):
+    """A law of the registry: its module, and the gains of its own preset."""
+    module = import_module(LAWS[law].module)
+    return module, preset_gains(module, LAWS[law].preset)
+
 
 
 def test_the_vehicles_matrices_are_those_of_difference_quotients():
@@ -42,9 +50,9 @@ def test_a_scaled_vehicle_has_its_own_trim():
 @pytest.mark.parametrize("law", LAWS)
 def test_the_closed_loop_answers_a_small_command_as_the_flight_does(law):
     command = 0.01  # ft: small enough for lines to be straight
-    flown = [fly("hold", law, values={"scenario": {"h_command_step": step}}, stop=20)["plant.h"]
+    flown = [fly("hold", law, LAWS[law].preset, values={"scenario": {"h_command_step": step}}, stop=20)["plant.h"]
              for step in (0.0, command)]  # the neural law moves a little by itself, until its estimates have settled
-    loop = linear_loop(plant, LAWS[law], preset_gains(LAWS[law], "calibrated"), 7700, 85000)
+    loop = linear_loop(plant, *gains_of(law), 7700, 85000)
     system = loop.cut()
     x = np.zeros(len(system.A))
     h = [0.0]
@@ -56,7 +64,7 @@ def test_the_closed_loop_answers_a_small_command_as_the_flight_does(law):
 
 @pytest.mark.parametrize("law", LAWS)
 def test_a_loop_is_stable_just_inside_its_gain_margins_and_unstable_just_outside(law):
-    loop = linear_loop(plant, LAWS[law], preset_gains(LAWS[law], "calibrated"), 7700, 85000)
+    loop = linear_loop(plant, *gains_of(law), 7700, 85000)
     checked = 0
     for name, found in loop.margins().items():
         place = {"actuator": ACTUATORS.index(name)} if name in ACTUATORS else {"sensor": SENSORS.index(name)}

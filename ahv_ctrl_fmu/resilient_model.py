@@ -1,0 +1,94 @@
+"""The law that keeps the vehicle as a component: its table of variables and its presets."""
+from .ports import DEG, PORTS, SHARED, SMALL
+from .resilient import advance, outputs, prepare, start  # noqa: F401  (the component's functions)
+
+NAME = "AhvResilient"
+DESCRIPTION = "Control law that keeps the vehicle while its coefficients err by 40 %, each group on its own"
+
+NO_FILTER = {f"section_{k}_{name}": 0.0 for k in "abcd" for name in ("zero", "zero_damping", "pole", "pole_damping")}
+
+# The quiet form: deaf to noise, and as accurate over independent draws as the lean one.
+QUIET = {
+    "k_gamma": 0.456, "k_path": 0.797, "k_alpha": 3.01, "k_Q": 8.58, "k_V": 5.5,
+    "observer_V": 6.57, "observer_gamma": 21.2, "observer_Q": 33.3,
+    "filter_h": 2.94, "filter_gamma": 4.33, "filter_lift": 5.46, "filter_moment": 14.3, "measured_rates": False,
+    "lift_lead": 0.148, "moment_gain": 11.3, "moment_floor": 0.05, "moment_washout": 3.78, "hold_rate": 0.928,
+    "alpha_margin": 0.634 * DEG, "k_barrier": 1.31, "barrier_margin": 0.13 * DEG,
+    "V_recovery": 2.03, "elevator_band": 2.52 * DEG, "servo_rate": 61.0, "servo_speed": 60 * DEG,
+    "demand_limit": 10.0, **NO_FILTER,
+}
+# Without the quiet form's filters; twice the observer's rate makes the slow flight-path angle the observer's own.
+LEAN = {
+    **QUIET,
+    "k_gamma": 0.6, "k_path": 0.87, "k_alpha": 1.9, "k_Q": 7.4,
+    "observer_V": 7.2, "observer_gamma": 27.0, "observer_Q": 31.0,
+    "filter_h": 0.0, "filter_gamma": 2 * 27.0, "filter_lift": 0.0, "filter_moment": 0.0, "measured_rates": True,
+    "lift_lead": 0.16, "moment_gain": 17.0, "moment_washout": 3.7, "hold_rate": 0.92,
+    "alpha_margin": 1.15 * DEG, "k_barrier": 1.5, "V_recovery": 2.7, "elevator_band": 5 * DEG,
+}
+# The lean form for a structure that pushes back, either way: the moment demand is filtered about the modes.
+COUPLED = {
+    **LEAN,
+    "k_gamma": 0.50679, "k_path": 1.335, "k_alpha": 1.4736, "k_Q": 7.4662,
+    "observer_V": 11.243, "observer_gamma": 26.593, "observer_Q": 4.7735, "filter_gamma": 2 * 26.593,
+    "filter_lift": 34.22, "lift_lead": 0.4437, "moment_gain": 18.5, "moment_floor": 0.10763, "moment_washout": 4.0753,
+    "hold_rate": 1.5066, "alpha_margin": 1.1524 * DEG, "k_barrier": 1.3003, "barrier_margin": 0.049407 * DEG,
+    "V_recovery": 2.2756, "elevator_band": 1.4442 * DEG, "servo_rate": 130.41, "demand_limit": 35 * DEG,
+    "section_a_zero": 14.558, "section_a_zero_damping": 0.063287,
+    "section_a_pole": 14.566, "section_a_pole_damping": 0.47241,
+    "section_b_zero": 19.312, "section_b_zero_damping": -0.03226,
+    "section_b_pole": 19.449, "section_b_pole_damping": 0.042695,
+    "section_c_zero": 24.424, "section_c_zero_damping": 0.069165,
+    "section_c_pole": 31.816, "section_c_pole_damping": 0.26942,
+    "section_d_pole": 101.94, "section_d_pole_damping": 0.4709,
+}
+PRESETS = {"quiet": QUIET, "lean": LEAN, "coupled": COUPLED}
+
+# name, causality, unit, start, min, max, nominal, description.
+VARIABLES = [
+    *PORTS,
+    ("scale_lift", "output", "1", None, None, None, 1.0, "lift scale found, as used: filtered and a moment ahead"),
+    ("scale_moment", "output", "1", None, None, None, 1.0, "moment scale found"),
+    ("elevator_hold", "output", "rad", None, None, None, 0.1, "elevator that holds the present angle of attack"),
+    ("alpha_command", "output", "rad", None, None, None, 0.01, "angle of attack commanded"),
+    ("alpha_limit", "output", "rad", None, None, None, 0.01, "largest angle of attack that the elevator can hold"),
+    ("protecting", "output", "", None, None, None, None, "the limit binds: altitude asks for more than can be held"),
+    ("disturbance_V", "output", "ft/s2", None, None, None, 1.0, "estimated disturbance of the velocity"),
+    ("disturbance_Q", "output", "rad/s2", None, None, None, 0.01, "estimated disturbance of the pitch rate"),
+
+    *((name, "parameter", unit, QUIET[name], low, high, None, text) for name, unit, low, high, text in (
+        ("k_gamma", "1/s", 0.0, None, "altitude error gain (36)"),
+        ("k_path", "1/s", 0.0, None, "climb rate error gain"),
+        ("k_alpha", "1/s", 0.0, None, "angle of attack error gain"),
+        ("k_Q", "1/s", 0.0, None, "pitch rate error gain"),
+        ("k_V", "1/s", 0.0, None, "velocity error gain"),
+        ("observer_V", "1/s", SMALL, 1000.0, "rate of the velocity's observer"),
+        ("observer_gamma", "1/s", SMALL, 1000.0, "rate of the flight-path angle's observer, which finds the lift"),
+        ("observer_Q", "1/s", SMALL, 1000.0, "rate of the pitch rate's observer"),
+        ("filter_h", "1/s", 0.0, 1000.0, "rate at which the altitude used follows the measured one; 0 at once"),
+        ("filter_gamma", "1/s", 0.0, 1000.0, "rate at which the path angle used follows the measured one; 0 at once"),
+        ("filter_lift", "1/s", 0.0, 1000.0, "rate of the low-pass on the lift scale found; 0 for none"),
+        ("filter_moment", "1/s", 0.0, 1000.0, "rate of the low-pass on the pitch rate's disturbance; 0 for none"),
+        ("measured_rates", "", None, None, "use V and Q as measured, not as the observers have them"),
+        ("lift_lead", "s", 0.0, 10.0, "how far ahead the lift scale is predicted"),
+        ("moment_gain", "1/s", 0.0, 1000.0, "rate at which the moment scale is found; 0 keeps it 1"),
+        ("moment_floor", "rad/s2", SMALL, None, "change of the nominal moment that is needed to find its scale"),
+        ("moment_washout", "1/s", SMALL, 1000.0, "changes slower than this do not count for the moment scale"),
+        ("hold_rate", "1/s", SMALL, 1000.0, "rate at which the moment's bias enters the elevator that holds"),
+        ("alpha_margin", "rad", 0.0, 90 * DEG, "elevator kept back at the largest angle of attack commanded"),
+        ("k_barrier", "1/s", 0.0, None, "rate at which the angle of attack may approach the elevator's stop"),
+        ("barrier_margin", "rad", 0.0, 90 * DEG, "elevator kept back from the stop by that limit"),
+        ("V_recovery", "ft/s2", 0.0, None, "largest acceleration asked for to mend a velocity error"),
+        ("elevator_band", "rad", 0.0, 90 * DEG, "elevator used about the one that holds; thrust pitches with the rest"),
+        ("servo_rate", "1/s", 0.0, 1000.0, "rate of the elevator servo's model; 0 for a servo without lag"),
+        ("servo_speed", "rad/s", SMALL, None, "largest speed of the elevator servo's model"),
+        ("demand_limit", "rad", 0.0, None, "largest elevator that the moment demand before its filter may stand for"),
+    )),
+    *((f"section_{k}_{name}", "parameter", unit, 0.0, low, 1000.0, None, f"moment demand's filter, section {k}: {text}")
+      for k in "abcd" for name, unit, low, text in (
+        ("zero", "rad/s", 0.0, "frequency of its zeros; 0 for none"),
+        ("zero_damping", "1", -10.0, "damping ratio of its zeros"),
+        ("pole", "rad/s", 0.0, "frequency of its poles; 0 for no section"),
+        ("pole_damping", "1", 0.0, "damping ratio of its poles"))),
+    *SHARED,
+]

@@ -1,0 +1,67 @@
+"""Signals of a flight over time, one panel for each unit and one for its differences."""
+from collections.abc import Sequence
+from io import BytesIO
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from matplotlib.figure import Figure  # without pyplot, which keeps every figure
+
+from ..errors import UsageError
+
+if TYPE_CHECKING:
+    from .flight import Flight
+
+
+class Picture(Figure):
+    """A figure that a notebook shows by itself."""
+
+    def _repr_png_(self) -> bytes:
+        content = BytesIO()
+        self.savefig(content, format="png")
+        return content.getvalue()
+
+
+class Curve(NamedTuple):
+    """A signal, or a difference of two, with its values in the unit that is shown."""
+    label: str
+    unit: str           # empty where there is none
+    difference: bool    # much smaller than the signals, as a rule: not in the same panel
+    values: np.ndarray
+
+
+def curve(flight: "Flight", expression: str) -> Curve:
+    """The curve of `a` or `a - b`. Raises UsageError for unknown signals, or different units."""
+    names = [expression] if expression in flight else expression.split(" - ", 1)
+    signals = [flight[name.strip()] for name in names]
+    unit = "" if signals[0].unit == "1" else signals[0].display_unit
+    if len(signals) == 1:
+        return Curve(expression, unit, False, np.asarray(signals[0].displayed))
+    first, second = signals
+    if first.unit != second.unit and first.unit and second.unit:
+        raise UsageError(f"{expression} cannot be drawn: {first.name} is in {first.unit}, {second.name} in "
+                         f"{second.unit}.")
+    return Curve(expression, unit, True, (first - second) * first.signal.display_factor)
+
+
+def plot(flight: "Flight", names: Sequence[str]) -> Figure:
+    """See `Flight.plot`."""
+    if not names:
+        raise UsageError("Name at least one signal to plot; list(flight) has all of them.")
+    panels: dict[tuple[str, bool], list[Curve]] = {}
+    for name in names:
+        found = curve(flight, name)
+        panels.setdefault((found.unit, found.difference), []).append(found)
+    figure = Picture(figsize=(8, 1 + 2.2 * len(panels)), layout="constrained")
+    axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
+    for axis, ((unit, _), curves) in zip(axes, panels.items()):
+        for one in curves:
+            axis.plot(flight.time, one.values, label=one.label, linewidth=1.2)
+        axis.set_ylabel(unit, parse_math=False)
+        for text in axis.legend(loc="best", fontsize="small").get_texts():
+            text.set_parse_math(False)  # names may have dollar signs
+        axis.grid(True, alpha=0.3)
+        axis.ticklabel_format(axis="y", useOffset=False)
+    axes[-1].set_xlabel("time (s)")
+    if not flight.finished:
+        axes[0].set_title(f"ended at {flight.time[-1]:.6g} s", fontsize="medium")
+    return figure

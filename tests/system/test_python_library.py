@@ -1,0 +1,355 @@
+"""`import cosim` as a library: systems, flights, signals, SSP files."""
+import gc
+import inspect
+import os
+import pickle
+import signal
+import subprocess
+import sys
+import threading
+from dataclasses import FrozenInstanceError, replace
+from pathlib import Path
+
+import numpy as np
+import pyarrow.parquet
+import pytest
+import ssp_files
+from small_fmus import small
+
+import cosim
+from cosim.master.results import write as write_results
+
+HEAVY = ("numpy", "fmpy", "numba", "matplotlib", "dask", "casadi", "pandas", "pyarrow", "rich", "scipy", "IPython")
+
+
+def modules_after(code):
+    """Which of HEAVY a fresh interpreter has imported after `code`."""
+    tell = f"{code}\nimport sys\nprint(*(m for m in {HEAVY} if m in sys.modules))"
+    return subprocess.run([sys.executable, "-c", tell], check=True, capture_output=True, text=True).stdout.split()
+
+
+@pytest.fixture(scope="module")
+def fmu(tmp_path_factory):
+    return small.build(tmp_path_factory.mktemp("small"))
+
+
+@pytest.fixture(scope="module")
+def loop(native_fmus):
+    plant, controller = (cosim.Component(name, native_fmus[model]) for name, model in (
+        ("plant", "AhvPlant"), ("controller", "AhvController")))
+    links = [cosim.Connection(f"{a}.{name}", f"{b}.{name}") for a, b, names in (
+        ("plant", "controller", ("V", "h", "gamma", "theta", "Q")),
+        ("controller", "plant", ("fuel_ratio", "elevator"))) for name in names]
+    return cosim.System([plant, controller.with_values({"h_command": 85400.0})], links)
+
+
+@pytest.fixture(scope="module")
+def flight(loop):
+    return cosim.fly(loop, step=0.01, stop=2)
+
+
+# --- what is imported when ------------------------------------------------------------------------------
+
+@pytest.mark.parametrize("code", [
+    "import cosim",
+    "import cosim; cosim.System([cosim.Component('a', 'a.fmu')], [cosim.Connection('a.y', 'a.u')]); cosim.UsageError",
+    "import cosim; cosim.fly, cosim.check, cosim.Report, dir(cosim)"])
+def test_nothing_heavy_is_imported_before_it_is_needed(code):
+    assert not {*modules_after(code)} - {"rich" if "Report" in code else ""}
+
+
+def test_a_flight_needs_no_package_of_others_rooms(fmu):
+    code = f"import cosim; cosim.fly(cosim.System([cosim.Component('a', {str(fmu)!r})]), step=0.1, stop=1, plain=True)"
+    assert modules_after(code) == ["numpy", "fmpy"]
+
+
+def test_every_name_is_there_and_documented():
+    for name in cosim.WHERE:
+        assert name in dir(cosim) and inspect.getdoc(getattr(cosim, name)), name
+    with pytest.raises(AttributeError, match="no attribute 'flie'"):
+        cosim.flie  # noqa: B018
+
+
+def test_editors_see_every_name():
+    stubs = inspect.getsource(cosim).partition("if TYPE_CHECKING:")[2].partition("WHERE")[0]
+    assert {line.split()[-1] for line in stubs.splitlines() if " as " in line} == {*cosim.WHERE}
+    for line in stubs.split("\n"):
+        if " as " in line:
+            _, room, _, name, *_ = line.split()
+            assert cosim.WHERE[name] == room.removeprefix("."), line
+
+
+# --- systems --------------------------------------------------------------------------------------------
+
+def test_a_system_takes_lists_and_paths_as_text():
+    component = cosim.Component("a", "folder/a.fmu")
+    system = cosim.System([component], [cosim.Connection("a.y", "a.u")])
+    assert component.fmu == Path("folder/a.fmu") and component.values == {}
+    assert system.components == (component,) and isinstance(system.connections, tuple)
+    assert hash(cosim.Connection("a.y", "a.u")) == hash(system.connections[0])
+    with pytest.raises(FrozenInstanceError):
+        component.name = "b"
+    assert replace(system, step=0.5).step == 0.5 and pickle.loads(pickle.dumps(system)) == system
+
+
+def test_a_component_keeps_its_own_values():
+    values = {"mass": 300.0}
+    component = cosim.Component("a", "a.fmu", values)
+    values["mass"] = 1.0
+    assert component.values == {"mass": 300.0}
+    assert component.with_values({"k": 2.0}).values == {"mass": 300.0, "k": 2.0}
+
+
+A = cosim.Component("a", "a.fmu")
+WRONG_SYSTEMS = {
+    "a dot in a name": (lambda: cosim.Component("a.b", "a.fmu"), "'a.b' is not allowed: it must be a text without"),
+    "no path": (lambda: cosim.Component("a", 3), "The FMU of a is 3; it must be the path of a file"),
+    "values that are no dict": (lambda: cosim.Component("a", "a.fmu", [1]), r"The values of a are \[1\]"),
+    "one component alone": (lambda: cosim.System(A), "components must be a list of cosim.Component"),
+    "a component that is none": (lambda: cosim.System(["a.fmu"]), "must be cosim.Component each; 'a.fmu' is not"),
+    "a connection that is none": (lambda: cosim.System([A], [("a.y", "a.u")]), "must be cosim.Connection each"),
+    "two of a name": (lambda: cosim.System([A, A]), "Two components are called a"),
+}
+
+
+@pytest.mark.parametrize("build,sentence", WRONG_SYSTEMS.values(), ids=WRONG_SYSTEMS)
+def test_a_wrong_system_is_refused_by_name(build, sentence):
+    with pytest.raises(cosim.UsageError, match=sentence):
+        build()
+
+
+# --- flying ---------------------------------------------------------------------------------------------
+
+WRONG_ARGUMENTS = {
+    "step": ({"step": "a"}, "step = 'a' is not allowed: it must be a number above 0"),
+    "stop": ({"stop": -1}, "stop = -1 is not allowed"),
+    "truth": ({"step": True}, "step = True is not allowed"),
+    "not a number": ({"stop": float("nan")}, "stop = nan is not allowed"),
+    "a stop that does not fit": ({"stop": 1.05}, "^stop 1.05 s is not a whole number of communication steps of 0.1 s"),
+    "algorithm": ({"algorithm": "magic"}, "^algorithm magic is not known; there are gauss-seidel"),
+    "algorithm's type": ({"algorithm": 3}, "algorithm = 3 is not allowed"),
+    "record as text": ({"record": "a.*"}, r"record = 'a.\*' is not allowed: it must be a list of texts"),
+    "record": ({"record": ["left.z*"]}, r"^record left.z\* fits no numeric variable of left, right"),
+    "decimate": ({"decimate": 0}, "decimate = 0 is not allowed: it must be a whole number from 1 on"),
+    "time limit": ({"time_limit": 0}, "time_limit = 0 is not allowed"),
+    "pace": ({"real_time": "fast"}, "real_time = 'fast' is not allowed"),
+}
+
+
+@pytest.mark.parametrize("arguments,sentence", WRONG_ARGUMENTS.values(), ids=WRONG_ARGUMENTS)
+def test_a_wrong_argument_is_refused_in_one_sentence(arguments, sentence, fmu):
+    with pytest.raises(cosim.UsageError, match=sentence) as caught:
+        cosim.fly(small.pair(fmu), **{"step": 0.1, "stop": 1.0, **arguments})
+    assert "--" not in str(caught.value)
+
+
+@pytest.mark.parametrize("value", [[1.0], None, "heavy"])
+def test_a_value_that_is_no_number_is_refused_by_name(value, fmu):
+    system = cosim.System([cosim.Component("a", fmu, {"x1": value})])
+    with pytest.raises(cosim.UsageError, match=r"a.x1 = .* is not allowed: it must be a number"):
+        cosim.fly(system, step=0.1, stop=1)
+
+
+def test_what_is_no_system_or_has_nothing_in_it_is_refused():
+    with pytest.raises(cosim.UsageError, match=r"system = 'loop.ssp' is not allowed: it must be a cosim.System"):
+        cosim.fly("loop.ssp", step=0.1, stop=1)
+    with pytest.raises(cosim.UsageError, match="no components"):
+        cosim.fly(cosim.System([]), step=0.1, stop=1)
+
+
+def test_a_step_that_nobody_gives_is_asked_for(fmu):
+    with pytest.raises(cosim.UsageError, match="step is missing: give it in seconds"):
+        cosim.fly(small.pair(fmu), stop=1)
+
+
+def test_the_systems_own_step_and_stop_are_taken_where_none_is_given(fmu):
+    system = replace(small.pair(fmu), step=0.25, stop=1.0)
+    assert cosim.fly(system).time.tolist() == [0, 0.25, 0.5, 0.75, 1]
+    assert cosim.fly(system, 0.5, stop=2).time.tolist() == [0, 0.5, 1, 1.5, 2]
+
+
+def test_options_reach_the_master(fmu):
+    system = small.pair(fmu)
+    flight = cosim.fly(system, step=0.1, stop=1, algorithm="jacobi", record=("left.*",), decimate=5)
+    assert list(flight.time) == [0, 0.5, 1] and all(name.startswith("left.") for name in flight)
+    gauss = cosim.fly(system, step=0.1, stop=1, record=["left.y"])
+    assert not np.array_equal(gauss["left.y"][::5], flight["left.y"])
+
+
+def test_a_hang_ends_the_flight_and_not_the_program(fmu):
+    system = small.pair(fmu, fault=small.FAULTS.index("hang"), fault_time=0.5)
+    flight = cosim.fly(system, step=0.1, stop=1, time_limit=0.5, progress=False)
+    assert not flight.finished and "did not come back within 0.5 s" in flight.message
+    assert flight.time[-1] == 0.5
+
+
+def test_ctrl_c_keeps_what_was_flown(fmu):
+    threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGINT)).start()
+    flight = cosim.fly(small.pair(fmu, substeps=200.0), step=0.001, stop=3000, record=["left.y"])
+    assert not flight.finished and flight.message.startswith("Interrupted at t = ")
+    assert len(flight.time) == flight.ticks + 1 > 1 and "ended early: Interrupted" in repr(flight)
+
+
+def test_progress_is_told_the_time_and_a_bar_shows_in_a_terminal_only(fmu, capsys):
+    told = []
+    cosim.fly(small.pair(fmu), step=0.1, stop=10, progress=told.append)
+    assert told == sorted(told) and told[-1] == pytest.approx(10)
+    cosim.fly(small.pair(fmu), step=0.1, stop=10)
+    assert capsys.readouterr() == ("", "")
+
+
+def test_a_bar_shows_in_a_terminal(fmu):
+    import pty
+
+    ours, theirs = pty.openpty()
+    code = ("import sys; sys.path.insert(0, sys.argv[1]); from small_fmus import small; import cosim, pathlib\n"
+            "cosim.fly(small.pair(pathlib.Path(sys.argv[2])), step=0.1, stop=10)")
+    environment = {**os.environ, "TERM": "xterm", "COLUMNS": "80"}
+    subprocess.run([sys.executable, "-c", code, Path(__file__).parents[1], fmu], check=True, stderr=theirs,
+                   env=environment)
+    os.close(theirs)
+    assert b"left, right" in os.read(ours, 10000)
+    os.close(ours)
+
+
+def test_a_stream_writes_every_row(fmu, tmp_path):
+    flight = cosim.fly(small.pair(fmu), step=0.1, stop=10, stream=str(tmp_path / "signals.parquet"))
+    table = pyarrow.parquet.read_table(tmp_path / "signals.parquet")
+    assert np.array_equal(table["left.y"].to_numpy(), flight["left.y"]) and table.num_rows == 101
+
+
+# --- signals --------------------------------------------------------------------------------------------
+
+def test_a_signal_is_an_array_with_its_unit(flight):
+    theta = flight["plant.theta"]
+    assert isinstance(theta, np.ndarray) and theta.shape == flight.time.shape == (201,)
+    assert (theta.name, theta.unit, theta.display_unit) == ("plant.theta", "rad", "deg")
+    assert theta.description == "pitch angle"
+    assert np.shares_memory(theta, flight.signals)
+    assert (flight["plant.V"].unit, flight["plant.V"].display_unit) == ("ft/s", "ft/s")
+
+
+def test_a_signal_is_shown_in_its_display_unit(flight):
+    shown = flight["plant.theta"].displayed
+    assert np.allclose(shown, np.degrees(np.asarray(flight["plant.theta"])), rtol=1e-14) and shown.unit == "deg"
+    assert np.array_equal(flight["plant.V"].displayed, flight["plant.V"])
+
+
+def test_slices_keep_the_unit_and_arithmetic_is_plain(flight):
+    h = flight["plant.h"]
+    assert h[10:20].unit == "ft" and h[h > 0].unit == "ft"
+    for result in (h - 85000.0, h * h, abs(h), np.diff(h), np.degrees(h), -h):
+        assert type(result) is np.ndarray
+    for number in (h.max(), h.mean(), np.abs(h - h).max(), h[0], h.sum(), h.std()):
+        assert isinstance(number, float)
+    assert h.max() == flight.signals[:, list(flight).index("plant.h")].max()
+
+
+def test_a_signal_survives_pickling_and_copying(flight):
+    for twin in (pickle.loads(pickle.dumps(flight["plant.theta"])), flight["plant.theta"].copy()):
+        assert np.array_equal(twin, flight["plant.theta"]) and twin.display_unit == "deg"
+
+
+def test_a_name_that_is_none_suggests_the_nearest(flight):
+    with pytest.raises(cosim.UsageError, match=r"^This flight has no signal plant.hh; did you mean plant.h\?$"):
+        flight["plant.hh"]
+    with pytest.raises(KeyError):
+        flight["plant.hh"]
+    assert "plant.h" in flight and "plant.hh" not in flight and 0 not in flight
+    assert list(flight) == [column.name for column in flight.columns]
+
+
+# --- tables and pictures --------------------------------------------------------------------------------
+
+def test_the_arrow_table_is_what_a_run_writes(flight, tmp_path):
+    write_results(tmp_path, flight, {})
+    assert flight.to_arrow().equals(pyarrow.parquet.read_table(tmp_path / "signals.parquet"), check_metadata=True)
+
+
+def test_the_frame_has_time_as_index_and_units(flight):
+    frame = flight.to_pandas()
+    assert frame.index.name == "time" and list(frame.columns) == list(flight)
+    assert np.array_equal(frame.index, flight.time) and np.array_equal(frame["plant.h"], flight["plant.h"])
+    assert frame.attrs["units"]["plant.theta"] == "rad"
+
+
+def test_without_pandas_one_sentence_says_so(flight, monkeypatch):
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    with pytest.raises(cosim.UsageError, match=r"to_pandas needs pandas, which is not installed: pip install pandas."):
+        flight.to_pandas()
+
+
+def test_a_picture_has_a_panel_for_each_unit_and_for_differences(flight):
+    figure = flight.plot("plant.h", "plant.theta", "controller.h_reference", "plant.h - controller.h_reference",
+                         "plant.theta - plant.gamma", "controller.fuel_ratio")
+    axes = figure.axes
+    assert [axis.get_ylabel() for axis in axes] == ["ft", "deg", "ft", "deg", ""]
+    assert axes[-1].get_xlabel() == "time (s)"
+    assert [line.get_label() for line in axes[0].lines] == ["plant.h", "controller.h_reference"]
+    drawn = [np.asarray(axis.lines[0].get_ydata()) for axis in axes]
+    assert np.allclose(drawn[1], np.degrees(np.asarray(flight["plant.theta"])))
+    assert np.array_equal(drawn[2], flight["plant.h"] - flight["controller.h_reference"])
+    assert np.allclose(drawn[3], np.degrees(flight["plant.theta"] - flight["plant.gamma"]))
+    assert figure._repr_png_().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize("names,sentence", [
+    ((), "Name at least one signal"), (("plant.hh",), "did you mean plant.h"),
+    (("plant.h - plant.hh",), "no signal plant.hh"),
+    (("plant.h - plant.V",), "cannot be drawn: plant.h is in ft, plant.V in ft/s")])
+def test_what_cannot_be_drawn_is_refused(flight, names, sentence):
+    with pytest.raises(cosim.UsageError, match=sentence):
+        flight.plot(*names)
+
+
+# --- SSP ------------------------------------------------------------------------------------------------
+
+def folder_of(loaded):
+    return loaded.components[0].fmu.parents[1]
+
+
+@pytest.fixture
+def ssp(tmp_path):
+    inner = ssp_files.system("root", ssp_files.component("a", bindings=ssp_files.inline(ssp_files.parameter("u", 2))))
+    return ssp_files.write(tmp_path / "test.ssp", ssp_files.ssd(inner))
+
+
+def test_an_ssp_is_a_system_with_its_own_stop(ssp):
+    loaded = cosim.load_ssp(str(ssp))
+    assert isinstance(loaded, cosim.System) and (loaded.name, loaded.stop, loaded.step) == ("test", 1.0, None)
+    flight = cosim.fly(loaded, step=0.25)
+    assert flight.time.tolist() == [0, 0.25, 0.5, 0.75, 1] and flight["a.y"].tolist() == [0, 2, 2, 2, 2]
+
+
+def test_its_fmus_stay_as_long_as_it_is_used(ssp):
+    loaded = cosim.load_ssp(ssp)
+    folder = folder_of(loaded)
+    other = replace(loaded, components=[loaded.components[0].with_values({"k": 3.0})])
+    del loaded
+    gc.collect()
+    assert folder.is_dir() and cosim.fly(other, step=0.5)["a.y"][-1] == 6
+    del other
+    gc.collect()
+    assert not folder.exists()
+
+
+def test_its_fmus_go_with_a_block_or_with_the_program(ssp):
+    with cosim.load_ssp(ssp) as loaded:
+        assert folder_of(loaded).is_dir()
+    assert not folder_of(loaded).exists()
+    code = "import cosim, sys; kept = cosim.load_ssp(sys.argv[1]); print(kept.components[0].fmu)"
+    said = subprocess.run([sys.executable, "-W", "error", "-c", code, ssp], check=True, capture_output=True, text=True)
+    assert said.stderr == "" and not Path(said.stdout.strip()).exists()
+
+
+def test_a_broken_ssp_leaves_nothing_behind(tmp_path, monkeypatch):
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    broken = ssp_files.write(tmp_path / "broken.ssp", ssp_files.ssd('<ssd:System name="root"/>'))
+    with pytest.raises(cosim.UsageError, match="no components"):
+        cosim.load_ssp(broken)
+    assert list(tmp_path.iterdir()) == [broken]
+
+
+def test_a_start_other_than_0_is_refused(fmu):
+    with pytest.raises(cosim.UsageError, match="starts at t = 5 s; a start other than 0 is not supported"):
+        cosim.fly(replace(small.pair(fmu), start=5.0), step=0.1, stop=1)
