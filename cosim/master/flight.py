@@ -15,7 +15,7 @@ from ..errors import RunError, UsageError
 from .algorithms import Method, method
 from .algorithms.base import Experiment
 from .fmu import Instance
-from .loaded import Master, Signal, open_files
+from .loaded import Master, open_files
 from .pace import Pace
 from .progress import Progress
 from .progress import progress_bar as progress_bar  # the commands take it from here
@@ -23,6 +23,7 @@ from .recording import CHUNK_ROWS, Recorder, Stream
 from .series import Series
 from .system import System
 from .text import nearest
+from .wiring import Signal
 
 CHUNK_S = 0.1  # wall time between two looks at the world
 MakeRecorder = Callable[[list[Signal]], Recorder]
@@ -106,7 +107,8 @@ class Flight:
         return plot(self, names)
 
     def __repr__(self) -> str:
-        return f"<{outcome(self)} {len(self.time)} rows of {len(self.columns)} signals.>"
+        signals = "1 signal" if len(self.columns) == 1 else f"{len(self.columns)} signals"
+        return f"<{outcome(self)} {len(self.time)} rows of {signals}.>"
 
     def _repr_html_(self) -> str:
         from .flight_page import page
