@@ -3,11 +3,11 @@ import re
 from collections.abc import Sequence
 from contextlib import nullcontext
 from numbers import Real
-from pathlib import Path
+from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 from .errors import UsageError
-from .master.system import System
+from .master.system import System, as_path
 
 if TYPE_CHECKING:
     from .conformance.report import Report
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 def fly(system: System, step: float | None = None, stop: float | None = None, *, algorithm: str = "gauss-seidel",
         record: Sequence[str] | None = None, decimate: int = 1, progress: "bool | Progress" = True,
         isolate: bool = False, time_limit: float | None = None, real_time: float | None = None,
-        stream: str | Path | None = None, plain: bool = False) -> "Flight":
+        stream: str | PathLike[str] | None = None, plain: bool = False) -> "Flight":
     """Fly `system` from 0 to `stop` (s) in communication steps of `step` (s); by default what its file suggests.
 
     algorithm   gauss-seidel, jacobi, multi-rate, iterated or variable, with options such as
@@ -51,10 +51,15 @@ def fly(system: System, step: float | None = None, stop: float | None = None, *,
         raise UsageError(f"algorithm = {algorithm!r} is not allowed: it must be a text such as 'jacobi'.")
     if isinstance(record, str) or not all(isinstance(pattern, str) for pattern in record or ()):
         raise UsageError(f"record = {record!r} is not allowed: it must be a list of texts such as ['plant.*'].")
+    if not isinstance(progress, bool) and not callable(progress):
+        raise UsageError(f"progress = {progress!r} is not allowed: it must be True, False or a function of the time.")
     if not system.components:
         raise UsageError("The system has no components.")
     if system.start != 0:
         raise UsageError(f"The system starts at t = {system.start:g} s; a start other than 0 is not supported.")
+
+    if stream is not None and not as_path(stream).parent.is_dir():
+        raise UsageError(f"stream = {str(stream)!r} cannot be written: there is no such folder.")
 
     from .master.isolated import launch
     from .master.progress import progress_bar
@@ -63,7 +68,7 @@ def fly(system: System, step: float | None = None, stop: float | None = None, *,
     bar, tell = progress_bar(title, stop) if progress is True else (None, progress or None)
     options: dict[str, Any] = {"record": None if record is None else list(record), "decimate": decimate,
                                "real_time": real_time, "plain": plain,
-                               "stream": None if stream is None else Path(stream)}
+                               "stream": None if stream is None else as_path(stream)}
     try:
         with bar or nullcontext():
             return launch(system, step, stop, algorithm, tell, isolate, time_limit, **options)
@@ -71,19 +76,20 @@ def fly(system: System, step: float | None = None, stop: float | None = None, *,
         raise type(error)(in_python(str(error))) from None
 
 
-def check(path: str | Path, dynamic: bool = True, time_limit: float = 30.0, cycles: int = 1000) -> "Report":
+def check(path: str | PathLike[str], dynamic: bool = True, time_limit: float = 30.0, cycles: int = 1000) -> "Report":
     """Check one FMU against FMI 2.0, its file and what it does when it runs: a Report with `.passed`, `.findings`.
 
     `dynamic` also runs the FMU, in child processes; `time_limit` is how long (s) one call of it may take; `cycles` how
     many lives of an instance the search for memory leaks takes.
     Raises UsageError if there is no such file.
     """
-    if not isinstance(path, str | Path) or not Path(path).is_file():
-        raise UsageError(f"There is no file {path}.")
+    file = as_path(path)
+    if not file.is_file():
+        raise UsageError(f"There is no file {file}.")
     positive("time_limit", time_limit)
     from .conformance import check as examine
 
-    return examine(Path(path), dynamic, time_limit, cycles)
+    return examine(file, dynamic, time_limit, cycles)
 
 
 def given(name: str, value: float | None, suggested: float | None) -> float:

@@ -15,12 +15,13 @@ from ..errors import RunError, UsageError, did_you_mean
 from .algorithms import Method, method
 from .algorithms.base import Experiment
 from .fmu import Instance
-from .loaded import Master, Signal, open_files
+from .loaded import Master, open_files
 from .pace import Pace
 from .progress import Progress
 from .recording import CHUNK_ROWS, Recorder, Stream
 from .series import Series
 from .system import System
+from .wiring import Signal
 
 CHUNK_S = 0.1  # wall time between two looks at the world
 MakeRecorder = Callable[[list[Signal]], Recorder]
@@ -111,7 +112,8 @@ class Flight:
         return f"Flight of {', '.join(self.fmus)} to {until} in {self.ticks} steps, {ended}."
 
     def __repr__(self) -> str:
-        return f"<{self.outcome} {len(self.time)} rows of {len(self.columns)} signals.>"
+        signals = "1 signal" if len(self.columns) == 1 else f"{len(self.columns)} signals"
+        return f"<{self.outcome} {len(self.time)} rows of {signals}.>"
 
     def _repr_html_(self) -> str:
         from .flight_page import page

@@ -2,6 +2,7 @@
 import tempfile
 from dataclasses import asdict, dataclass
 from math import isfinite
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,7 @@ from fmpy.model_description import ModelDescription, ScalarVariable
 from ..errors import UsageError, did_you_mean
 from ..text import html_table, html_text, printable, text_table
 from .fmu import settable
-from .system import Value
+from .system import Value, as_path
 from .unpack import BadArchive, safe_extract
 
 KINDS = {"coSimulation": "co-simulation", "modelExchange": "model exchange",
@@ -96,12 +97,12 @@ class FmuInfo:
         return f"<p><b>{html_text(self.name)}</b></p>{html_table(('', ''), self.facts())}{''.join(tables)}"
 
 
-def info(path: str | Path) -> FmuInfo:
+def info(path: str | PathLike[str]) -> FmuInfo:
     """What the FMU at `path` declares, without running it.
 
     Raises UsageError if there is no such file, or if it cannot be read as an FMU.
     """
-    path = Path(path)
+    path = as_path(path)
     with tempfile.TemporaryDirectory(prefix="ahv_info_") as folder:
         try:
             members = safe_extract(path, Path(folder))
@@ -146,15 +147,13 @@ def variable(v: ScalarVariable) -> Variable:
 
 def start(v: ScalarVariable) -> Value | None:
     """The start value in the type of the variable; as a text if it is an array, or no such value."""
-    if v.start is None:
-        return None
-    text = str(v.start)
+    text: str | None = v.start
+    if text is None or v.type in ("String", "Binary"):
+        return text
     if v.type == "Boolean":
         return {"true": True, "1": True, "false": False, "0": False}.get(text.strip(), text)
-    found = None if v.type in ("String", "Binary") else number(text)
-    if found is None:
-        return text
-    return found if v.type in ("Real", "Float32", "Float64") else int(found)
+    found = number(text)
+    return text if found is None else found if v.type in ("Real", "Float32", "Float64") else int(found)
 
 
 def number(text: str | None) -> float | None:

@@ -1,6 +1,7 @@
 """A system to fly, as data: which FMUs, with which values, wired how."""
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
@@ -13,20 +14,19 @@ Value = float | int | bool | str
 class Component:
     """One FMU instance: its name in the system, its file, and the start values and parameters to set.
 
-    Values are in the units that the FMU declares. Raises UsageError for a name that is empty or has a dot.
+    Values are in the units that the FMU declares. Raises UsageError for a name that is empty or has a dot, and for
+    arguments of the wrong type.
     """
     name: str
     fmu: Path
     values: dict[str, Value]
 
-    def __init__(self, name: str, fmu: str | Path, values: Mapping[str, Value] | None = None):
+    def __init__(self, name: str, fmu: str | PathLike[str], values: Mapping[str, Value] | None = None):
         if not isinstance(name, str) or not name or "." in name:
             raise UsageError(f"The component name {name!r} is not allowed: it must be a text without dots.")
-        if not isinstance(fmu, str | Path):
-            raise UsageError(f"The FMU of {name} is {fmu!r}; it must be the path of a file.")
         if not isinstance(values, Mapping | None):
             raise UsageError(f"The values of {name} are {values!r}; they must be a dict such as {{'mass': 300.0}}.")
-        assign(self, name=name, fmu=Path(fmu), values=dict(values or {}))
+        assign(self, name=name, fmu=as_path(fmu), values=dict(values or {}))
 
     def with_values(self, values: Mapping[str, Value]) -> "Component":
         """The same component with `values` set as well; they replace those of the same names."""
@@ -63,6 +63,13 @@ class System:
         for name in names:
             if names.count(name) > 1:
                 raise UsageError(f"Two components are called {name}.")
+
+
+def as_path(given: str | PathLike[str]) -> Path:
+    """Raises UsageError unless `given` is a text or a path."""
+    if not isinstance(given, str | PathLike):
+        raise UsageError(f"{given!r} is not the path of a file.")
+    return Path(given)
 
 
 def assign(frozen: Any, **values: Any) -> None:

@@ -2,12 +2,13 @@
 from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
+from os import PathLike
 from pathlib import Path
 from typing import Self
 
 from ..errors import UsageError, did_you_mean
 from ..master.fmu import FmuFile
-from ..master.system import Component, Connection, System, Value, assign
+from ..master.system import Component, Connection, System, Value, as_path, assign
 from .archive import Folder, unpacked
 from .connections import Tracer
 from .parameters import Given, bound, inside
@@ -46,12 +47,12 @@ class LoadedSsp(System):
         self.close()
 
 
-def load_ssp(path: str | Path) -> LoadedSsp:
+def load_ssp(path: str | PathLike[str]) -> LoadedSsp:
     """The system in the SSP file at `path`, ready to fly.
 
     Raises UsageError, one sentence, for what is broken or not supported.
     """
-    path = Path(path)
+    path = as_path(path)
     folder = unpacked(path)
     try:
         ssd = folder.path / SSD_FILE

@@ -143,7 +143,7 @@ def test_check_says_whether_an_fmu_passes(native_fmus, tmp_path):
 
 
 @pytest.mark.parametrize("arguments,sentence", [
-    (("missing.fmu",), "There is no file missing.fmu"), ((3,), "There is no file 3"),
+    (("missing.fmu",), "There is no file missing.fmu"), ((3,), "3 is not the path of a file"),
     ((__file__, True, "long"), "time_limit = 'long' is not allowed")])
 def test_check_refuses_wrong_arguments(arguments, sentence):
     with pytest.raises(cosim.UsageError, match=sentence):
@@ -195,6 +195,6 @@ def test_a_flight_of_many_signals_shows_some_and_says_how_many_more():
 def test_a_flight_shows_what_happened(native_fmus):
     flight = cosim.fly(cosim.System([cosim.Component("plant", native_fmus["AhvPlant"])]), step=0.1, stop=1,
                        record=["plant.h"])
-    assert repr(flight) == "<Flight of plant to 1 s in 10 steps, finished. 11 rows of 1 signals.>"
+    assert repr(flight) == "<Flight of plant to 1 s in 10 steps, finished. 11 rows of 1 signal.>"
     texts = safe(flight)
     assert {"plant", "AhvPlant", "plant.h", "ft", "altitude", "85000"} <= {*texts}
