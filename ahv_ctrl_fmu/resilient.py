@@ -41,10 +41,12 @@ FILTER = 2 * (len(SECTIONS) + 1)
 
 
 def unpack(x):
+    """The state's numbers (a list) as a `State`."""
     return State(x[0:2], x[2:4], x[4:4 + FILTER], *x[4 + FILTER:])
 
 
 def pack(s):
+    """A `State` as a list of numbers."""
     return [*s.V_ref, *s.h_ref, *s.filter, *s[3:]]
 
 
@@ -80,6 +82,7 @@ def prepare(m, p, h):
 
 
 def numbers_of(c):
+    """The numbers that `prepare` gives (a list) as a `Numbers`."""
     end = 4 + COEFFICIENTS * len(SECTIONS)
     return Numbers(c[0:4], c[4:end], c[end:end + 2], c[end + 2:end + 4], c[end + 4:end + 6], *c[end + 6:])
 
@@ -253,6 +256,7 @@ def advance(m, t, h, x, u, p, c):
 
 
 def outputs(m, t, x, u, p):
+    """Every output of the table, in its units."""
     s = unpack(x)
     return {
         "fuel_ratio": s.fuel_ratio,
