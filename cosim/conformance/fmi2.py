@@ -151,13 +151,16 @@ class Instance:
         return self.call("DoStep", time, size, 0)
 
     def get(self, base: str, references: Sequence[int]) -> tuple[int, list[Value]]:
-        """fmi2GetReal and its sisters; strings come back as bytes, or None for a null pointer."""
+        """fmi2GetReal, fmi2GetInteger, ... by `base`; its status, and the values.
+
+        Strings come back as bytes, or None for a null pointer.
+        """
         values = (C_TYPES[base] * len(references))()
         status = self.call(f"Get{base}", (c_uint * len(references))(*references), len(references), values)
         return status, list(values)
 
     def set(self, base: str, references: Sequence[int], values: Sequence[Value]) -> int:
-        """fmi2SetReal and its sisters."""
+        """fmi2SetReal, fmi2SetInteger, ... by `base`; its status."""
         packed = (C_TYPES[base] * len(values))(*values)
         return self.call(f"Set{base}", (c_uint * len(references))(*references), len(references), packed)
 

@@ -2,7 +2,7 @@
 import gc
 import mmap
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from ctypes import c_void_p
 from itertools import pairwise
 from pathlib import Path
@@ -129,12 +129,9 @@ def input_derivatives(bench: Bench) -> None:
         return
     with bench.instance() as fmu:
         bench.initialize(fmu)
-        for v in bench.moving_inputs:
-            status = fmu.input_derivative(v.reference, 0.0) if v.variability == "continuous" else 0
-            if status > WARNING:
-                found = f"fmi2SetRealInputDerivatives returned {status_name(status)}"
-                bench.fault("dynamic.input-derivatives", v.name, found, "fmi2OK")
-                return
+        inputs = [v for v in bench.moving_inputs if v.variability == "continuous"]
+        answers = ((v, fmu.input_derivative(v.reference, 0.0)) for v in inputs)
+        report_refusal(bench, "dynamic.input-derivatives", "fmi2SetRealInputDerivatives", answers)
 
 
 @probe("output-derivatives")
@@ -145,12 +142,16 @@ def output_derivatives(bench: Bench) -> None:
     with bench.instance() as fmu:
         bench.initialize(fmu)
         bench.step(fmu, 0)
-        for v in bench.job.variables:
-            status = fmu.output_derivative(v.reference) if is_continuous_output(v) else 0
-            if status > WARNING:
-                found = f"fmi2GetRealOutputDerivatives returned {status_name(status)}"
-                bench.fault("dynamic.output-derivatives", v.name, found, "fmi2OK")
-                return
+        answers = ((v, fmu.output_derivative(v.reference)) for v in bench.job.variables if is_continuous_output(v))
+        report_refusal(bench, "dynamic.output-derivatives", "fmi2GetRealOutputDerivatives", answers)
+
+
+def report_refusal(bench: Bench, rule: str, call: str, answers: Iterable[tuple[Known, int]]) -> None:
+    """Report the first of (variable, status) whose status says that the call failed; no further call is made."""
+    for v, status in answers:
+        if status > WARNING:
+            bench.fault(rule, v.name, f"{call} returned {status_name(status)}", "fmi2OK")
+            return
 
 
 @probe("asynchronous")

@@ -10,7 +10,7 @@ from ..subject import Fault, Fmu
 
 EXPONENTS = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 
-# SI names that nobody means otherwise: name -> exponents of (kg, m, s, A, K, mol, cd, rad) and the factor.
+# Names with one meaning only: name -> exponents of (kg, m, s, A, K, mol, cd, rad) and the factor.
 WELL_KNOWN: dict[str, tuple[tuple[int, ...], float]] = {
     "kg": ((1, 0, 0, 0, 0, 0, 0, 0), 1.0),
     "m": ((0, 1, 0, 0, 0, 0, 0, 0), 1.0),
