@@ -21,7 +21,7 @@ def campaign(path: Path, out: Path | None = None, scheduler: str | None = None, 
     with store.locked():
         store.prepare(resume, path.read_text())
         flown, flying_s = (0, 0.0) if store.complete else fly(plan, store, scheduler, workers)
-        from .report import write  # matplotlib takes its time
+        from .report import write  # imports matplotlib, which is slow
 
         summary = write(store)
     return {**summary, "runs_flown_now": flown, "flying_s": flying_s, "wall_s": time.perf_counter() - began,

@@ -63,7 +63,7 @@ def page(plan: Plan, summary: dict[str, Any], results: list[Results], pictures: 
     """report.html."""
     campaign = plan.campaign
     names = {"envelope": min(campaign.runs, 2000), "metric": plan.worst_by, "points": charts.POINTS}
-    parts = [f"<h1>Campaign {escape(campaign.name)}</h1>", opening(plan), sides(summary)]
+    parts = [f"<h1>Campaign {escape(campaign.name)}</h1>", introduction(plan), side_by_side(summary)]
     for name, png in pictures.items():
         kind, _, law = name.partition("_")
         title, note = (text.format(law=law, **names) for text in EXPLAINED[kind])
@@ -76,15 +76,15 @@ def page(plan: Plan, summary: dict[str, Any], results: list[Results], pictures: 
             f"<body>{''.join(parts)}</body></html>\n")
 
 
-def opening(plan: Plan) -> str:
+def introduction(plan: Plan) -> str:
     """What was flown, what counts as a success, and what is uncertain."""
     campaign = plan.campaign
     success = listed(f"{escape(name)}: <code>{escape(text)}</code>" for name, text in campaign.success.items())
     rows = [[d.name if d.targets == (d.name,) else f"{d.name} (also {', '.join(d.targets[1:])})",
-             words(d.distribution.model_dump(exclude={"also", "relative"}, exclude_none=True))
+             fields_text(d.distribution.model_dump(exclude={"also", "relative"}, exclude_none=True))
              + (f", times the nominal {d.factor:g}" if d.factor is not None else "")
              + (", as a period in s" if d.period else "")] for d in plan.draws[plan.laws[0]]]
-    correlated = listed(escape(words(group.model_dump(exclude_none=True))) for group in campaign.correlations)
+    correlated = listed(escape(fields_text(group.model_dump(exclude_none=True))) for group in campaign.correlations)
     return (f"<p>{campaign.runs:,} runs of {escape(plan.scenario.name)} ({plan.stop:g} s in steps of "
             f"{campaign.step:g} s) for each law, seed {campaign.seed}, sampling {campaign.sampling}, flavour "
             f"{escape(campaign.flavour)}, plant {escape(campaign.plant)}.</p>"
@@ -98,7 +98,7 @@ def listed(items: Iterable[str]) -> str:
     return f"<ul>{''.join(f'<li>{item}</li>' for item in items)}</ul>"
 
 
-def words(given: dict[str, Any]) -> str:
+def fields_text(given: dict[str, Any]) -> str:
     """The fields of a distribution or a correlation in a line."""
     return ", ".join(str(v) if k == "distribution" else f"{k} {v:g}" if isinstance(v, float) else f"{k} {v}"
                      for k, v in given.items())
@@ -113,7 +113,7 @@ def table(head: list[str], rows: list[list[Any]], kind: str = "") -> str:
             + "".join(f"<tr>{''.join(map(cell, row))}</tr>" for row in rows) + "</table>")
 
 
-def sides(summary: dict[str, Any]) -> str:
+def side_by_side(summary: dict[str, Any]) -> str:
     """A table of the laws side by side."""
     found = summary["controllers"]
     statuses = sorted({s for law in found.values() for s in law["statuses"]})
@@ -125,12 +125,12 @@ def sides(summary: dict[str, Any]) -> str:
     for name in charts.HISTOGRAMS:
         for key in ("median", "p95"):
             rows.append([f"{name}, {key}", *(x["metrics"].get(name, {}).get(key, "") for x in found.values())])
-    pairs = "".join(f"<p>{escape(both)} on the same draws: {escape(words_of(counts))}.</p>"
+    pairs = "".join(f"<p>{escape(both)} on the same draws: {escape(counts_text(counts))}.</p>"
                     for both, counts in summary["paired"].items())
     return "<h2>The laws side by side</h2>" + table(["", *found], rows) + pairs
 
 
-def words_of(counts: dict[str, int]) -> str:
+def counts_text(counts: dict[str, int]) -> str:
     """Counts in a line."""
     return ", ".join(f"{name} {count:,}" for name, count in counts.items())
 

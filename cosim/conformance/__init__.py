@@ -6,14 +6,11 @@
 
 Nothing heavy is imported here: the child processes that run the FMU import this package too.
 """
-
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from .report import Report
-
-__all__ = ["check"]
 
 
 def check(path: Path, dynamic: bool = True, time_limit: float = 30.0, cycles: int = 1000) -> "Report":

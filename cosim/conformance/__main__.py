@@ -1,5 +1,4 @@
 """python -m cosim.conformance FMU...: the tables of the check, for working on the checker itself."""
-
 import sys
 import time
 from pathlib import Path

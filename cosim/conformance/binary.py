@@ -3,14 +3,13 @@
 Only what section 2.3 needs: the processor, the word size, and the names of the exported functions. A file that claims
 tables which it does not hold raises `BadBinary`.
 """
-
 import struct
 from dataclasses import dataclass
 from pathlib import Path
 
-_ELF_MACHINES = {0x03: "x86", 0x3E: "x86_64", 0xB7: "aarch64", 0x28: "arm", 0xF3: "riscv"}
-_PE_MACHINES = {0x14C: "x86", 0x8664: "x86_64", 0xAA64: "aarch64", 0x1C4: "arm"}
-_MACH_MACHINES = {0x7: "x86", 0x01000007: "x86_64", 0x0100000C: "aarch64"}
+ELF_MACHINES = {0x03: "x86", 0x3E: "x86_64", 0xB7: "aarch64", 0x28: "arm", 0xF3: "riscv"}
+PE_MACHINES = {0x14C: "x86", 0x8664: "x86_64", 0xAA64: "aarch64", 0x1C4: "arm"}
+MACH_MACHINES = {0x7: "x86", 0x01000007: "x86_64", 0x0100000C: "aarch64"}
 
 
 class BadBinary(Exception):
@@ -20,7 +19,6 @@ class BadBinary(Exception):
 @dataclass(frozen=True)
 class Library:
     """`system` is linux, windows or darwin; `machines` are several for a universal Mach-O."""
-
     system: str
     machines: frozenset[str]
     exports: frozenset[str]
@@ -31,21 +29,22 @@ def read_library(file: Path) -> Library:
     data = file.read_bytes()
     try:
         if data[:4] == b"\x7fELF":
-            return _elf(data)
+            return elf(data)
         if data[:2] == b"MZ":
-            return _pe(data)
+            return pe(data)
         if data[:4] in (b"\xcf\xfa\xed\xfe", b"\xce\xfa\xed\xfe", b"\xca\xfe\xba\xbe"):
-            return _mach(data)
+            return mach(data)
     except (struct.error, IndexError, ValueError, OverflowError) as problem:
         raise BadBinary(f"its tables are damaged ({problem})") from None
     raise BadBinary("it is neither ELF (Linux) nor PE (Windows) nor Mach-O (macOS)")
 
 
-def _text(data: bytes, offset: int) -> str:
+def text(data: bytes, offset: int) -> str:
+    """The text at `offset` that a null byte ends."""
     return data[offset : data.index(b"\0", offset)].decode("ascii", "replace")
 
 
-def _elf(data: bytes) -> Library:
+def elf(data: bytes) -> Library:
     """The dynamic symbol table (SHT_DYNSYM): global or weak symbols that are defined."""
     wide, order = data[4] == 2, "<" if data[5] == 1 else ">"
     machine = struct.unpack_from(order + "H", data, 18)[0]
@@ -60,13 +59,14 @@ def _elf(data: bytes) -> Library:
     names = set()
     step = 24 if wide else 16
     for at in range(dynamic[4], dynamic[4] + dynamic[5], step):
-        name, info, section = _elf_symbol(data, at, order, wide)
+        name, info, section = elf_symbol(data, at, order, wide)
         if section != 0 and info >> 4 in (1, 2):
-            names.add(_text(data, strings + name))
-    return Library("linux", frozenset({_ELF_MACHINES.get(machine, hex(machine))}), frozenset(names))
+            names.add(text(data, strings + name))
+    return Library("linux", frozenset({ELF_MACHINES.get(machine, hex(machine))}), frozenset(names))
 
 
-def _elf_symbol(data: bytes, at: int, order: str, wide: bool) -> tuple[int, int, int]:
+def elf_symbol(data: bytes, at: int, order: str, wide: bool) -> tuple[int, int, int]:
+    """(offset of the name, type and binding, section) of the symbol at `at`."""
     if wide:
         name, info, _, section = struct.unpack_from(order + "IBBH", data, at)
     else:
@@ -74,10 +74,10 @@ def _elf_symbol(data: bytes, at: int, order: str, wide: bool) -> tuple[int, int,
     return name, info, section
 
 
-def _pe(data: bytes) -> Library:
+def pe(data: bytes) -> Library:
     """The export directory: the table of names."""
     header = struct.unpack_from("<I", data, 0x3C)[0]
-    if data[header : header + 4] != b"PE\0\0":
+    if data[header:header + 4] != b"PE\0\0":
         raise BadBinary("it begins like a Windows file but has no PE header")
     machine, sections = struct.unpack_from("<HH", data, header + 4)
     optional_size = struct.unpack_from("<H", data, header + 20)[0]
@@ -98,24 +98,25 @@ def _pe(data: bytes) -> Library:
         count = struct.unpack_from("<I", data, directory + 24)[0]
         pointers = offset(struct.unpack_from("<I", data, directory + 32)[0])
         for address in struct.unpack_from(f"<{count}I", data, pointers):
-            names.add(_text(data, offset(address)))
-    return Library("windows", frozenset({_PE_MACHINES.get(machine, hex(machine))}), frozenset(names))
+            names.add(text(data, offset(address)))
+    return Library("windows", frozenset({PE_MACHINES.get(machine, hex(machine))}), frozenset(names))
 
 
-def _mach(data: bytes) -> Library:
+def mach(data: bytes) -> Library:
     """The symbol table of each architecture: external symbols that are defined, without the leading underscore."""
     if data[:4] == b"\xca\xfe\xba\xbe":
         count = struct.unpack_from(">I", data, 4)[0]
         slices = [struct.unpack_from(">IIII", data, 8 + 20 * i)[2] for i in range(count)]
     else:
         slices = [0]
-    parts = [_mach_slice(data, base) for base in slices]
+    parts = [mach_slice(data, base) for base in slices]
     exports = frozenset.intersection(*(names for _, names in parts))
     return Library("darwin", frozenset(machine for machine, _ in parts), exports)
 
 
-def _mach_slice(data: bytes, base: int) -> tuple[str, frozenset[str]]:
-    wide = data[base : base + 4] == b"\xcf\xfa\xed\xfe"
+def mach_slice(data: bytes, base: int) -> tuple[str, frozenset[str]]:
+    """(processor, exported names) of the architecture that begins at `base`."""
+    wide = data[base:base + 4] == b"\xcf\xfa\xed\xfe"
     cpu, _, _, commands = struct.unpack_from("<IIII", data, base + 4)
     at = base + (32 if wide else 28)
     names = set()
@@ -129,6 +130,6 @@ def _mach_slice(data: bytes, base: int) -> tuple[str, frozenset[str]]:
                 entry = base + symbols + i * (16 if wide else 12)
                 name, kind = struct.unpack_from("<IB", data, entry)
                 if kind & 0x01 and kind & 0x0E and not kind & 0xE0:  # external, defined, no debugging entry
-                    names.add(_text(data, base + strings + name).removeprefix("_"))
+                    names.add(text(data, base + strings + name).removeprefix("_"))
         at += size
-    return _MACH_MACHINES.get(cpu, hex(cpu)), frozenset(names)
+    return MACH_MACHINES.get(cpu, hex(cpu)), frozenset(names)

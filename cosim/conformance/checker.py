@@ -1,5 +1,4 @@
-"""The check itself: unpack, read, apply the static rules, run the probes, and leave nothing behind."""
-
+"""The check: unpacks an FMU, reads it, applies the static rules, runs the probes, and removes its temporary files."""
 import tempfile
 from pathlib import Path
 
@@ -25,12 +24,13 @@ def check(path: Path, run_probes: bool, time_limit: float, cycles: int) -> Repor
         except Unusable as problem:
             report.add(problem.rule, problem.fault)
             return report
-        _static(fmu, report)
-        _dynamic(fmu, report, Path(work), run_probes, time_limit, cycles)
+        check_static(fmu, report)
+        check_dynamic(fmu, report, Path(work), run_probes, time_limit, cycles)
     return report
 
 
-def _static(fmu: Fmu, report: Report) -> None:
+def check_static(fmu: Fmu, report: Report) -> None:
+    """Add what the schema and the static rules find."""
     for fault in fmu.schema_faults:
         report.add("xml.schema", fault)
     for name, find in STATIC_CHECKS.items():
@@ -38,18 +38,20 @@ def _static(fmu: Fmu, report: Report) -> None:
             report.add(name, fault)
 
 
-def _dynamic(fmu: Fmu, report: Report, work: Path, run_probes: bool, time_limit: float, cycles: int) -> None:
+def check_dynamic(fmu: Fmu, report: Report, work: Path, run_probes: bool, time_limit: float, cycles: int) -> None:
+    """Add what the probes find, or why they were not run."""
     if not run_probes:
         report.skip("everything dynamic", "not asked for")
     elif fmu.description.co_simulation is None:
         report.skip("everything dynamic", "the FMU is not for co-simulation")
-    elif any(_prevents_running(finding) for finding in report.findings):
+    elif any(prevents_running(finding) for finding in report.findings):
         report.skip("everything dynamic", "the description or the binary is too broken to run the FMU by it")
     else:
         dynamic.run(fmu, report, work, time_limit, cycles)
 
 
-def _prevents_running(finding: Finding) -> bool:
+def prevents_running(finding: Finding) -> bool:
+    """Whether the FMU cannot be run because of this finding."""
     this_binary = f"binaries/{dynamic.host_platform()}"
     is_broken = finding.rule in ("binary.format", "binary.exports") and finding.variable == this_binary
     return is_broken or finding.rule == "xml.schema"

@@ -1,11 +1,10 @@
-"""The child process: loads the FMU, runs the probes one after the other, writes one JSON line for each event.
+"""The child process: loads the FMU, runs the probes one after the other, and writes one JSON line for each event.
 
     python -m cosim.conformance.child JOB.json RESULTS.jsonl MARK
 
-A crash or a hang ends this process only; the parent then knows the probe from the last "begin" line and the call from
-the mark, and starts a new child for the probes that are left.
+A crash or a hang ends this process only. The parent then knows the probe from the last "begin" line and the call from
+the mark, and starts a new child for the remaining probes.
 """
-
 import sys
 from pathlib import Path
 
@@ -16,19 +15,21 @@ from .probes.bench import PROBES, Bench, CallFailed, NoInstance
 
 
 def main(job_file: str, results: str, mark: str) -> None:
+    """Run the probes of the job until one needs a fresh process."""
     job = Job.read(Path(job_file))
     bench = Bench(job, Mark(Path(mark)), Path(results))
     for name in job.probes:
         bench.note("begin", name)
-        is_loaded = _load(bench)
+        is_loaded = loads(bench)
         if is_loaded:
-            _run(bench, name)
+            run_probe(bench, name)
         bench.note("end", name)
         if not is_loaded or bench.library.is_corrupt or bench.is_single:
-            return  # the parent starts a new process for the probes that are left
+            return  # the parent starts a new process for the remaining probes
 
 
-def _load(bench: Bench) -> bool:
+def loads(bench: Bench) -> bool:
+    """Whether the library loads; if not, that is reported."""
     try:
         return bench.library is not None
     except OSError as problem:
@@ -38,14 +39,15 @@ def _load(bench: Bench) -> bool:
         return False
 
 
-def _run(bench: Bench, name: str) -> None:
+def run_probe(bench: Bench, name: str) -> None:
+    """Run one probe and report how it failed, if it did."""
     if PROBES[name].many and bench.is_single:
         bench.skip(name, "the FMU says that a process may instantiate it once only")
         return
     try:
         PROBES[name].run(bench)
     except CallFailed as failure:
-        _report(bench, name, failure)
+        report_failure(bench, name, failure)
     except NoInstance:
         # An FMU that needs a tool says nothing about the specification when the tool is not at hand.
         severity = "warning" if bench.job.claims.get("needsExecutionTool") else None
@@ -54,7 +56,8 @@ def _run(bench: Bench, name: str) -> None:
         bench.skip(name, f"this checker failed with {type(problem).__name__}: {problem}")
 
 
-def _report(bench: Bench, name: str, failure: CallFailed) -> None:
+def report_failure(bench: Bench, name: str, failure: CallFailed) -> None:
+    """Report a legal call that the FMU refused."""
     if failure.status == PENDING and bench.job.claims.get("canRunAsynchronuously"):
         bench.skip(name, "the FMU steps asynchronously")
         return

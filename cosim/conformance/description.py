@@ -3,7 +3,6 @@
 The defaults are those of FMI 2.0.x section 2.2.7: causality "local", variability "continuous", and the table that gives
 `initial` when it is absent.
 """
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -14,22 +13,22 @@ from lxml import etree
 BASE_TYPES = ("Real", "Integer", "Boolean", "String", "Enumeration")
 
 # Section 2.2.7, the table of `initial`: (variability, causality) -> allowed values, the default first.
-_EXACT = ("exact",)
-_B = ("calculated", "approx")
-_C = ("calculated", "exact", "approx")
+EXACT = ("exact",)
+CALCULATED = ("calculated", "approx")
+ANY = ("calculated", "exact", "approx")
 INITIAL: dict[tuple[str, str], tuple[str, ...]] = {
-    ("constant", "output"): _EXACT,
-    ("constant", "local"): _EXACT,
-    ("fixed", "parameter"): _EXACT,
-    ("tunable", "parameter"): _EXACT,
-    ("fixed", "calculatedParameter"): _B,
-    ("tunable", "calculatedParameter"): _B,
-    ("fixed", "local"): _B,
-    ("tunable", "local"): _B,
-    ("discrete", "output"): _C,
-    ("continuous", "output"): _C,
-    ("discrete", "local"): _C,
-    ("continuous", "local"): _C,
+    ("constant", "output"): EXACT,
+    ("constant", "local"): EXACT,
+    ("fixed", "parameter"): EXACT,
+    ("tunable", "parameter"): EXACT,
+    ("fixed", "calculatedParameter"): CALCULATED,
+    ("tunable", "calculatedParameter"): CALCULATED,
+    ("fixed", "local"): CALCULATED,
+    ("tunable", "local"): CALCULATED,
+    ("discrete", "output"): ANY,
+    ("continuous", "output"): ANY,
+    ("discrete", "local"): ANY,
+    ("continuous", "local"): ANY,
     # For these `initial` must be absent.
     ("discrete", "input"): (),
     ("continuous", "input"): (),
@@ -42,7 +41,6 @@ VARIABILITIES = frozenset(variability for variability, _ in INITIAL)
 @dataclass
 class SimpleType:
     """A `<SimpleType>` of `<TypeDefinitions>` (2.2.3): `kind` is Real, Integer ..., `attributes` are that element's."""
-
     name: str
     kind: str
     attributes: dict[str, str]
@@ -52,7 +50,6 @@ class SimpleType:
 @dataclass
 class Variable:
     """A `<ScalarVariable>` (2.2.7); `own` are the attributes of its Real, Integer, ... element."""
-
     index: int
     attributes: dict[str, str]
     kind: str
@@ -61,18 +58,22 @@ class Variable:
 
     @property
     def name(self) -> str:
+        """The name; empty where there is none."""
         return self.attributes.get("name", "")
 
     @property
     def reference(self) -> int | None:
+        """valueReference, if it is a number."""
         return integer(self.attributes.get("valueReference"))
 
     @property
     def causality(self) -> str:
+        """As given, or else the default."""
         return self.attributes.get("causality", "local")
 
     @property
     def variability(self) -> str:
+        """As given, or else the default."""
         return self.attributes.get("variability", "continuous")
 
     @property
@@ -83,10 +84,12 @@ class Variable:
 
     @property
     def start(self) -> str | None:
+        """The start value as text."""
         return self.own.get("start")
 
     @property
     def derivative(self) -> int | None:
+        """The index of the variable whose derivative this one is."""
         return integer(self.own.get("derivative"))
 
     @property
@@ -103,7 +106,6 @@ class Variable:
 @dataclass
 class Unknown:
     """An `<Unknown>` of `<ModelStructure>` (2.2.8); `None` means that the attribute is absent."""
-
     index: int | None
     dependencies: list[int] | None
     kinds: list[str] | None
@@ -112,41 +114,43 @@ class Unknown:
 class Description:
     """The whole modelDescription.xml."""
 
-    def __init__(self, root: etree._Element) -> None:
+    def __init__(self, root: etree._Element):
         self.root = root
-        self.attributes: dict[str, str] = _attributes(root)
-        self.co_simulation = self._optional("CoSimulation")
-        self.model_exchange = self._optional("ModelExchange")
-        self.types = list(self._types())
-        self.variables = list(self._variables())
-        self.outputs = self._unknowns("Outputs")
-        self.derivatives = self._unknowns("Derivatives")
-        self.initial_unknowns = self._unknowns("InitialUnknowns")
+        self.attributes: dict[str, str] = attributes_of(root)
+        self.co_simulation = self.attributes_at("CoSimulation")
+        self.model_exchange = self.attributes_at("ModelExchange")
+        self.types = list(self.read_types())
+        self.variables = list(self.read_variables())
+        self.outputs = self.read_unknowns("Outputs")
+        self.derivatives = self.read_unknowns("Derivatives")
+        self.initial_unknowns = self.read_unknowns("InitialUnknowns")
 
-    def _optional(self, tag: str) -> dict[str, str] | None:
+    def attributes_at(self, tag: str) -> dict[str, str] | None:
+        """The attributes of the first element `tag`; None where there is none."""
         element = self.root.find(tag)
-        return None if element is None else _attributes(element)
+        return None if element is None else attributes_of(element)
 
-    def _types(self) -> Iterator[SimpleType]:
+    def read_types(self) -> Iterator[SimpleType]:
+        """The types of `<TypeDefinitions>`."""
         for element in self.root.iterfind("TypeDefinitions/SimpleType"):
-            for child in _elements(element):
-                items = [_attributes(item) for item in child.iterfind("Item")]
-                yield SimpleType(element.get("name", ""), str(child.tag), _attributes(child), items)
+            for child in child_elements(element):
+                items = [attributes_of(item) for item in child.iterfind("Item")]
+                yield SimpleType(element.get("name", ""), str(child.tag), attributes_of(child), items)
                 break
 
-    def _variables(self) -> Iterator[Variable]:
+    def read_variables(self) -> Iterator[Variable]:
+        """The variables of `<ModelVariables>`, with their declared types."""
         by_name = {known.name: known for known in reversed(self.types)}  # the first of a name counts
         for index, element in enumerate(self.root.iterfind("ModelVariables/ScalarVariable"), start=1):
-            typed = next((child for child in _elements(element) if child.tag in BASE_TYPES), None)
-            own = {} if typed is None else _attributes(typed)
+            typed = next((child for child in child_elements(element) if child.tag in BASE_TYPES), None)
+            own = {} if typed is None else attributes_of(typed)
             kind = "" if typed is None else str(typed.tag)
-            yield Variable(index, _attributes(element), kind, own, by_name.get(own.get("declaredType", "")))
+            yield Variable(index, attributes_of(element), kind, own, by_name.get(own.get("declaredType", "")))
 
-    def _unknowns(self, tag: str) -> list[Unknown]:
-        return [
-            Unknown(integer(element.get("index")), _integers(element.get("dependencies")), _words(element))
-            for element in self.root.iterfind(f"ModelStructure/{tag}/Unknown")
-        ]
+    def read_unknowns(self, tag: str) -> list[Unknown]:
+        """The entries of one list of `<ModelStructure>`."""
+        return [Unknown(integer(element.get("index")), indices(element.get("dependencies")), kinds_of(element))
+                for element in self.root.iterfind(f"ModelStructure/{tag}/Unknown")]
 
     def variable(self, index: int | None) -> Variable | None:
         """The variable with this one-based index, or None when there is none."""
@@ -161,11 +165,7 @@ class Description:
     @cached_property
     def structure(self) -> list[tuple[str, Unknown]]:
         """All entries of `<ModelStructure>` with the name of the list that they are in."""
-        lists = {
-            "Outputs": self.outputs,
-            "Derivatives": self.derivatives,
-            "InitialUnknowns": self.initial_unknowns,
-        }
+        lists = {"Outputs": self.outputs, "Derivatives": self.derivatives, "InitialUnknowns": self.initial_unknowns}
         return [(tag, unknown) for tag, unknowns in lists.items() for unknown in unknowns]
 
     def claims(self, flag: str) -> bool:
@@ -190,19 +190,22 @@ def integer(text: str | None) -> int | None:
         return None
 
 
-def _integers(text: str | None) -> list[int] | None:
+def indices(text: str | None) -> list[int] | None:
     """A list of indices; what is no integer becomes 0, which is no valid index."""
     return None if text is None else [integer(word) or 0 for word in text.split()]
 
 
-def _words(element: etree._Element) -> list[str] | None:
+def kinds_of(element: etree._Element) -> list[str] | None:
+    """The words of dependenciesKind; None where it is absent."""
     kinds = element.get("dependenciesKind")
     return None if kinds is None else kinds.split()
 
 
-def _elements(parent: etree._Element) -> Iterator[etree._Element]:
+def child_elements(parent: etree._Element) -> Iterator[etree._Element]:
+    """The children that are elements, not comments."""
     return parent.iterchildren(tag=etree.Element)
 
 
-def _attributes(element: etree._Element) -> dict[str, str]:
+def attributes_of(element: etree._Element) -> dict[str, str]:
+    """The attributes as plain text."""
     return {str(key): str(value) for key, value in element.attrib.items()}

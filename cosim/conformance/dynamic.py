@@ -1,9 +1,8 @@
-"""Running an FMU in child processes: a crash or a hang is a finding and not the end.
+"""Runs an FMU in child processes, so that a crash or a hang is a finding and does not end the check.
 
-The child (child.py) writes one JSON line for each event; when it dies or stops moving, the last "begin" line names the
-probe and the mark names the call, and a new child takes the probes that are left.
+The child (child.py) writes one JSON line for each event. When it crashes or hangs, the last "begin" line names the
+probe, the mark names the call, and a new child runs the remaining probes.
 """
-
 import contextlib
 import json
 import os
@@ -24,19 +23,12 @@ from .report import Finding, Report
 from .rule import ERROR, WARNING
 from .subject import Fault, Fmu
 
-_POLL = 0.05
-_SLOW = 4  # a probe that moves on, but takes longer than this many time limits, is left
-_FATAL_RULES = {"dynamic.load": "the FMU cannot be loaded", "dynamic.hang": "the FMU hangs"}
-_FLAGS = (
-    "canHandleVariableCommunicationStepSize",
-    "canInterpolateInputs",
-    "canRunAsynchronuously",
-    "needsExecutionTool",
-    "canBeInstantiatedOnlyOncePerProcess",
-    "canGetAndSetFMUstate",
-    "canSerializeFMUstate",
-    "providesDirectionalDerivative",
-)
+POLL_S = 0.05
+MOST_LIMITS = 4  # a probe whose calls all return is given up after this many time limits
+FATAL_RULES = {"dynamic.load": "the FMU cannot be loaded", "dynamic.hang": "the FMU hangs"}
+FLAGS = ("canHandleVariableCommunicationStepSize", "canInterpolateInputs", "canRunAsynchronuously",
+         "needsExecutionTool", "canBeInstantiatedOnlyOncePerProcess", "canGetAndSetFMUstate", "canSerializeFMUstate",
+         "providesDirectionalDerivative")
 
 
 def run(fmu: Fmu, report: Report, work: Path, time_limit: float, cycles: int) -> None:
@@ -47,19 +39,19 @@ def run(fmu: Fmu, report: Report, work: Path, time_limit: float, cycles: int) ->
         return
     job = make_job(fmu, library, time_limit, cycles)
     while job.probes:
-        done = _one_child(job, report, work, time_limit)
+        done = run_child(job, report, work, time_limit)
         if done == 0:
             reason = (work / "stderr.txt").read_text("utf-8", "replace").strip() or "no reason given"
             raise RuntimeError(f"the checking process did not begin with '{job.probes[0]}': {reason}")
-        why = next((_FATAL_RULES[f.rule] for f in report.findings if _ends_it(f)), None)
+        why = next((FATAL_RULES[f.rule] for f in report.findings if ends_the_check(f)), None)
         if why:
             report.skip("the probes after that", why)
             return
         job = replace(job, probes=job.probes[done:])
 
 
-def _ends_it(finding: Finding) -> bool:
-    """Whether further probes would only find the same again (a hang after a master's mistake is a warning only)."""
+def ends_the_check(finding: Finding) -> bool:
+    """Whether further probes would only find the same again (a hang after an illegal call is only a warning)."""
     return finding.rule == "dynamic.load" or (finding.rule == "dynamic.hang" and finding.severity == ERROR)
 
 
@@ -84,7 +76,7 @@ def make_job(fmu: Fmu, library: Path, time_limit: float, cycles: int) -> Job:
     start, stop, step = given.get("startTime") or 0.0, given.get("stopTime"), given.get("stepSize")
     if not step or step <= 0:
         step = (stop - start) / 100 if stop is not None and stop > start else 0.01
-    claims = {flag: 1 for flag in _FLAGS if fmu.description.claims(flag)}
+    claims = {flag: 1 for flag in FLAGS if fmu.description.claims(flag)}
     order = integer((fmu.description.co_simulation or {}).get("maxOutputDerivativeOrder")) or 0
     return Job(
         library=str(library),
@@ -95,14 +87,15 @@ def make_job(fmu: Fmu, library: Path, time_limit: float, cycles: int) -> Job:
         step=step,
         claims=claims | ({"maxOutputDerivativeOrder": order} if order else {}),
         categories=[c.get("name", "") for c in fmu.description.root.iterfind("LogCategories/Category")],
-        variables=[_known(v) for v in fmu.description.variables if v.kind and v.reference is not None],
+        variables=[known_variable(v) for v in fmu.description.variables if v.kind and v.reference is not None],
         probes=list(PROBES),
         cycles=cycles,
         patience=time_limit / 2,
     )
 
 
-def _known(v: Variable) -> Known:
+def known_variable(v: Variable) -> Known:
+    """The variable as the probes need it."""
     start: float | int | str | None
     if v.kind == "Real":
         start = number(v.start)
@@ -126,8 +119,8 @@ def _known(v: Variable) -> Known:
     )
 
 
-def _one_child(job: Job, report: Report, work: Path, time_limit: float) -> int:
-    """Run one child until it ends, dies or is stopped; note its findings; return how many probes are done with."""
+def run_child(job: Job, report: Report, work: Path, time_limit: float) -> int:
+    """Run one child until it ends, crashes or is stopped, and note its findings; how many probes have been begun."""
     files = [work / name for name in ("job.json", "results.jsonl", "mark.bin")]
     files[0].write_text(job.to_json(), encoding="utf-8")
     files[1].write_text("", encoding="utf-8")
@@ -136,26 +129,20 @@ def _one_child(job: Job, report: Report, work: Path, time_limit: float) -> int:
     environment = os.environ | {"PYTHONPATH": os.pathsep.join([root, os.environ.get("PYTHONPATH", "")])}
     command = [sys.executable, "-P", "-m", "cosim.conformance.child", *map(str, files)]
     with (work / "stderr.txt").open("wb") as errors:
-        child = subprocess.Popen(
-            command,
-            cwd=work,
-            env=environment,
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL,
-            stderr=errors,
-            start_new_session=True,  # so that whatever the FMU starts ends with it
-        )
+        child = subprocess.Popen(command, cwd=work, env=environment, stdin=subprocess.DEVNULL,
+                                 stdout=subprocess.DEVNULL, stderr=errors,
+                                 start_new_session=True)  # so that whatever the FMU starts ends with it
         try:
-            stopped = _watch(child, files[1], files[2], time_limit)
+            stopped = wait_for_end(child, files[1], files[2], time_limit)
         finally:
-            _end(child)
-    begun, ended = _take_results(files[1], report)
+            end_child(child)
+    begun, ended = take_results(files[1], report)
     if len(begun) > len(ended):
-        _judge_death(report, begun[-1], stopped or _death(child.returncode), Mark.read(files[2])[1], time_limit)
+        report_death(report, begun[-1], stopped or cause_of_death(child.returncode), Mark.read(files[2])[1], time_limit)
     return len(begun)
 
 
-def _end(child: subprocess.Popen[bytes]) -> None:
+def end_child(child: subprocess.Popen[bytes]) -> None:
     """End the child and the processes that its FMU started."""
     if os.name == "posix":
         with contextlib.suppress(ProcessLookupError):
@@ -164,12 +151,12 @@ def _end(child: subprocess.Popen[bytes]) -> None:
     child.wait()
 
 
-def _watch(child: subprocess.Popen[bytes], results: Path, mark: Path, time_limit: float) -> str:
-    """Wait for the end; return "hang" or "slow" when waiting was given up, or else an empty string."""
+def wait_for_end(child: subprocess.Popen[bytes], results: Path, mark: Path, time_limit: float) -> str:
+    """Wait for the end; "hang" or "slow" when waiting was given up, else an empty text."""
     seen: tuple[int, int] = (0, 0)
     call_began = probe_began = time.monotonic()
     while child.poll() is None:
-        time.sleep(_POLL)
+        time.sleep(POLL_S)
         now = time.monotonic()
         calls, size = Mark.read(mark)[0], results.stat().st_size
         if calls != seen[0]:
@@ -179,13 +166,13 @@ def _watch(child: subprocess.Popen[bytes], results: Path, mark: Path, time_limit
         seen = calls, size
         if now - call_began > time_limit:
             return "hang"
-        if now - probe_began > _SLOW * time_limit:
+        if now - probe_began > MOST_LIMITS * time_limit:
             return "slow"
     return ""
 
 
-def _take_results(results: Path, report: Report) -> tuple[list[str], list[str]]:
-    """Put the child's lines into the report; return the probes that began and those that ended."""
+def take_results(results: Path, report: Report) -> tuple[list[str], list[str]]:
+    """Put the child's lines into the report; the probes that began, and those that ended."""
     begun, ended = [], []
     for text in results.read_text("utf-8").splitlines():
         line = json.loads(text)
@@ -203,11 +190,11 @@ def _take_results(results: Path, report: Report) -> tuple[list[str], list[str]]:
     return begun, ended
 
 
-def _judge_death(report: Report, probe: str, death: str, call: str, time_limit: float) -> None:
-    """A probe began and did not end: say why. A crash after an illegal call is no error: the master began it."""
+def report_death(report: Report, probe: str, death: str, call: str, time_limit: float) -> None:
+    """Report why a probe did not end. After an illegal call that is a warning only, since the caller is at fault."""
     severity = None if PROBES[probe].legal else WARNING
     if death == "slow":
-        report.skip(probe, f"slow: not finished within {_SLOW * time_limit:g} s")
+        report.skip(probe, f"slow: not finished within {MOST_LIMITS * time_limit:g} s")
     elif death == "hang":
         found = f"{call} did not return within {time_limit:g} s (probe '{probe}')"
         report.add("dynamic.hang", Fault(call, found, "a status, in time"), severity)
@@ -217,7 +204,8 @@ def _judge_death(report: Report, probe: str, death: str, call: str, time_limit: 
             report.add("dynamic.crash", Fault(call, found, "a status"), severity)
 
 
-def _death(returncode: int) -> str:
+def cause_of_death(returncode: int) -> str:
+    """The signal, or the exit code, with which the child ended."""
     if returncode < 0 and -returncode in signal.valid_signals():
         return f"signal {signal.Signals(-returncode).name}"
     return f"exit code {returncode}"

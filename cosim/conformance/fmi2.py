@@ -3,7 +3,6 @@
 Runs in the child process only. Before each call its name and a counter go to a small shared file, so that the parent
 knows which call crashed or hangs. Sections 2.1 and 4.2 give the signatures.
 """
-
 import ctypes
 import mmap
 import os
@@ -19,26 +18,22 @@ STATUS = ("fmi2OK", "fmi2Warning", "fmi2Discard", "fmi2Error", "fmi2Fatal", "fmi
 
 MARK_BYTES = 72  # a counter and the name of the call, see `Mark`
 
-_LOGGER = ctypes.CFUNCTYPE(None, c_void_p, c_char_p, c_int, c_char_p, c_char_p)
-_ALLOCATE = ctypes.CFUNCTYPE(c_void_p, c_size_t, c_size_t)
-_FREE = ctypes.CFUNCTYPE(None, c_void_p)
-_REFERENCES = POINTER(c_uint)
-_C_TYPES: dict[str, Any] = {"Real": c_double, "Integer": c_int, "Boolean": c_int, "String": c_char_p}
+LOGGER = ctypes.CFUNCTYPE(None, c_void_p, c_char_p, c_int, c_char_p, c_char_p)
+ALLOCATE = ctypes.CFUNCTYPE(c_void_p, c_size_t, c_size_t)
+FREE = ctypes.CFUNCTYPE(None, c_void_p)
+REFERENCES = POINTER(c_uint)
+C_TYPES: dict[str, Any] = {"Real": c_double, "Integer": c_int, "Boolean": c_int, "String": c_char_p}
 
 Value = float | int | str | bytes | None
 
 
-class _Callbacks(ctypes.Structure):
-    _fields_ = (
-        ("logger", _LOGGER),
-        ("allocateMemory", _ALLOCATE),
-        ("freeMemory", _FREE),
-        ("stepFinished", c_void_p),
-        ("componentEnvironment", c_void_p),
-    )
+class Callbacks(ctypes.Structure):
+    """fmi2CallbackFunctions."""
+    _fields_ = (("logger", LOGGER), ("allocateMemory", ALLOCATE), ("freeMemory", FREE), ("stepFinished", c_void_p),
+                ("componentEnvironment", c_void_p))
 
 
-_SIGNATURES: dict[str, tuple[Any, ...]] = {
+SIGNATURES: dict[str, tuple[Any, ...]] = {
     "SetDebugLogging": (c_int, c_size_t, POINTER(c_char_p)),
     "SetupExperiment": (c_int, c_double, c_double, c_int, c_double),
     "EnterInitializationMode": (),
@@ -52,25 +47,26 @@ _SIGNATURES: dict[str, tuple[Any, ...]] = {
     "SerializedFMUstateSize": (c_void_p, POINTER(c_size_t)),
     "SerializeFMUstate": (c_void_p, c_char_p, c_size_t),
     "DeSerializeFMUstate": (c_char_p, c_size_t, POINTER(c_void_p)),
-    "GetDirectionalDerivative": (_REFERENCES, c_size_t, _REFERENCES, c_size_t, POINTER(c_double), POINTER(c_double)),
-    "SetRealInputDerivatives": (_REFERENCES, c_size_t, POINTER(c_int), POINTER(c_double)),
-    "GetRealOutputDerivatives": (_REFERENCES, c_size_t, POINTER(c_int), POINTER(c_double)),
+    "GetDirectionalDerivative": (REFERENCES, c_size_t, REFERENCES, c_size_t, POINTER(c_double), POINTER(c_double)),
+    "SetRealInputDerivatives": (REFERENCES, c_size_t, POINTER(c_int), POINTER(c_double)),
+    "GetRealOutputDerivatives": (REFERENCES, c_size_t, POINTER(c_int), POINTER(c_double)),
 }
-for _type, _c_type in _C_TYPES.items():
-    _SIGNATURES[f"Get{_type}"] = _SIGNATURES[f"Set{_type}"] = (_REFERENCES, c_size_t, POINTER(_c_type))
+for _type, _c_type in C_TYPES.items():
+    SIGNATURES[f"Get{_type}"] = SIGNATURES[f"Set{_type}"] = (REFERENCES, c_size_t, POINTER(_c_type))
 
 
 class Mark:
-    """The shared note about the call under way: a counter (8 bytes) and the function's name (64 bytes)."""
+    """A file in shared memory that tells the current call: a counter (8 bytes) and the function's name (64 bytes)."""
 
-    def __init__(self, file: Path) -> None:
+    def __init__(self, file: Path):
         with file.open("r+b") as opened:
-            self._map = mmap.mmap(opened.fileno(), MARK_BYTES)
-        self._count = 0
+            self.memory = mmap.mmap(opened.fileno(), MARK_BYTES)
+        self.count = 0
 
     def set(self, call: str) -> None:
-        self._count += 1
-        self._map[:] = struct.pack("<Q64s", self._count, call.encode())
+        """Note the call that comes next."""
+        self.count += 1
+        self.memory[:] = struct.pack("<Q64s", self.count, call.encode())
 
     @staticmethod
     def read(file: Path) -> tuple[int, str]:
@@ -82,19 +78,19 @@ class Mark:
 class Library:
     """A loaded shared library."""
 
-    def __init__(self, file: Path, mark: Mark) -> None:
-        self._mark = mark
+    def __init__(self, file: Path, mark: Mark):
+        self.mark = mark
         self.is_corrupt = False  # after fmi2Fatal no function of any instance may be called (2.1.3)
         mark.set("loading the library")
-        self._dll = ctypes.CDLL(str(file))
+        self.dll = ctypes.CDLL(str(file))
         libc = ctypes.CDLL("msvcrt") if os.name == "nt" else ctypes.CDLL(None)
-        self._allocate = _ALLOCATE(("calloc", libc))  # type: ignore[arg-type]
-        self._free = _FREE(("free", libc))  # type: ignore[arg-type]
+        self.allocate = ALLOCATE(("calloc", libc))  # type: ignore[arg-type]
+        self.free_memory = FREE(("free", libc))  # type: ignore[arg-type]
 
     def text(self, name: str) -> str:
         """What fmi2GetVersion or fmi2GetTypesPlatform returns."""
-        self._mark.set(name)
-        function = getattr(self._dll, name)
+        self.mark.set(name)
+        function = getattr(self.dll, name)
         function.restype = c_char_p
         return (function() or b"").decode("utf-8", "replace")
 
@@ -105,25 +101,26 @@ class Library:
         def logger(_env: Any, _name: Any, status: int, category: bytes | None, _message: Any) -> None:
             messages[status, (category or b"").decode("utf-8", "replace")] += 1
 
-        callbacks = _Callbacks(_LOGGER(logger), self._allocate, self._free, None, None)
-        self._mark.set("fmi2Instantiate")
-        function = self._dll.fmi2Instantiate
+        callbacks = Callbacks(LOGGER(logger), self.allocate, self.free_memory, None, None)
+        self.mark.set("fmi2Instantiate")
+        function = self.dll.fmi2Instantiate
         function.restype = c_void_p
-        function.argtypes = (c_char_p, c_int, c_char_p, c_char_p, POINTER(_Callbacks), c_int, c_int)
+        function.argtypes = (c_char_p, c_int, c_char_p, c_char_p, POINTER(Callbacks), c_int, c_int)
         component = function(name.encode(), 1, guid.encode(), resources.encode(), byref(callbacks), 0, int(logging_on))
         return Instance(self, component, callbacks, messages) if component else None
 
     def free(self, component: int | None) -> None:
         """fmi2FreeInstance (2.1.5), also of a null pointer."""
-        self._mark.set("fmi2FreeInstance")
-        function = self._dll.fmi2FreeInstance
+        self.mark.set("fmi2FreeInstance")
+        function = self.dll.fmi2FreeInstance
         function.restype, function.argtypes = None, (c_void_p,)
         function(component)
 
     def call(self, component: int, name: str, *arguments: Any) -> int:
-        self._mark.set(f"fmi2{name}")
-        function = getattr(self._dll, f"fmi2{name}")
-        function.restype, function.argtypes = c_int, (c_void_p, *_SIGNATURES[name])
+        """Call fmi2`name` for an instance; its status."""
+        self.mark.set(f"fmi2{name}")
+        function = getattr(self.dll, f"fmi2{name}")
+        function.restype, function.argtypes = c_int, (c_void_p, *SIGNATURES[name])
         status = int(function(component, *arguments))
         self.is_corrupt |= status == FATAL
         return status
@@ -132,45 +129,56 @@ class Library:
 class Instance:
     """One instance: `call("Terminate")` and the like return the status; `messages` counts what it logged."""
 
-    def __init__(self, library: Library, component: int, callbacks: Any, messages: Counter[tuple[int, str]]) -> None:
-        self._library, self._component, self._callbacks = library, component, callbacks
+    def __init__(self, library: Library, component: int, callbacks: Any, messages: Counter[tuple[int, str]]):
+        self.library, self.component, self.callbacks = library, component, callbacks
         self.messages = messages
 
     def call(self, name: str, *arguments: Any) -> int:
-        return self._library.call(self._component, name, *arguments)
+        """Call fmi2`name`; its status."""
+        return self.library.call(self.component, name, *arguments)
 
     def free(self) -> None:
-        if not self._library.is_corrupt:
-            self._library.free(self._component)
+        """fmi2FreeInstance, unless no call is allowed any more."""
+        if not self.library.is_corrupt:
+            self.library.free(self.component)
 
     def setup(self, start: float, stop: float | None = None) -> int:
+        """fmi2SetupExperiment; its status. Times in s."""
         return self.call("SetupExperiment", 0, 0.0, start, int(stop is not None), stop or 0.0)
 
     def step(self, time: float, size: float) -> int:
+        """fmi2DoStep from `time` over `size`, in s; its status."""
         return self.call("DoStep", time, size, 0)
 
     def get(self, base: str, references: Sequence[int]) -> tuple[int, list[Value]]:
-        """fmi2GetReal and its sisters; strings come back as bytes, or None for a null pointer."""
-        values = (_C_TYPES[base] * len(references))()
+        """fmi2GetReal, fmi2GetInteger, ... by `base`; its status, and the values.
+
+        Strings come back as bytes, or None for a null pointer.
+        """
+        values = (C_TYPES[base] * len(references))()
         status = self.call(f"Get{base}", (c_uint * len(references))(*references), len(references), values)
         return status, list(values)
 
     def set(self, base: str, references: Sequence[int], values: Sequence[Value]) -> int:
-        """fmi2SetReal and its sisters."""
-        packed = (_C_TYPES[base] * len(values))(*values)
+        """fmi2SetReal, fmi2SetInteger, ... by `base`; its status."""
+        packed = (C_TYPES[base] * len(values))(*values)
         return self.call(f"Set{base}", (c_uint * len(references))(*references), len(references), packed)
 
     def get_state(self) -> tuple[int, c_void_p]:
+        """fmi2GetFMUstate; its status, and the state."""
         state = c_void_p()
         return self.call("GetFMUstate", byref(state)), state
 
     def set_state(self, state: c_void_p) -> int:
+        """fmi2SetFMUstate; its status."""
         return self.call("SetFMUstate", state)
 
     def free_state(self, state: c_void_p) -> int:
+        """fmi2FreeFMUstate; its status."""
         return self.call("FreeFMUstate", byref(state))
 
     def serialize(self, state: c_void_p) -> tuple[int, bytes]:
+        """fmi2SerializeFMUstate; its status, and the bytes."""
         size = c_size_t()
         status = self.call("SerializedFMUstateSize", state, byref(size))
         if status > WARNING:
@@ -179,6 +187,7 @@ class Instance:
         return self.call("SerializeFMUstate", state, buffer, size.value), buffer.raw
 
     def deserialize(self, data: bytes) -> tuple[int, c_void_p]:
+        """fmi2DeSerializeFMUstate; its status, and the state."""
         state = c_void_p()
         return self.call("DeSerializeFMUstate", data, len(data), byref(state)), state
 
@@ -189,11 +198,14 @@ class Instance:
         return self.call("GetDirectionalDerivative", *one, (c_double * 1)(1.0), result), result[0]
 
     def input_derivative(self, reference: int, value: float) -> int:
+        """fmi2SetRealInputDerivatives of one input, first order; its status."""
         return self.call("SetRealInputDerivatives", (c_uint * 1)(reference), 1, (c_int * 1)(1), (c_double * 1)(value))
 
     def output_derivative(self, reference: int) -> int:
+        """fmi2GetRealOutputDerivatives of one output, first order; its status."""
         return self.call("GetRealOutputDerivatives", (c_uint * 1)(reference), 1, (c_int * 1)(1), (c_double * 1)())
 
     def set_debug_logging(self, on: bool, categories: Sequence[str]) -> int:
+        """fmi2SetDebugLogging; its status."""
         names = (c_char_p * len(categories))(*(name.encode() for name in categories))
         return self.call("SetDebugLogging", int(on), len(categories), names)

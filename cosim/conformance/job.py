@@ -1,5 +1,4 @@
-"""What the parent tells the child about the FMU under test, as plain data that travels as JSON."""
-
+"""What the parent tells the child about the FMU under test, as plain data that is sent as JSON."""
 import json
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -8,7 +7,6 @@ from pathlib import Path
 @dataclass(frozen=True)
 class Known:
     """A variable as the probes need it; `start`, `low`, `high` are numbers (or text, for a String's start)."""
-
     name: str
     reference: int
     base: str  # Real, Integer, Boolean, String: which fmi2Get function reads it
@@ -25,7 +23,6 @@ class Known:
 @dataclass(frozen=True)
 class Job:
     """One FMU and which probes to run on it."""
-
     library: str
     guid: str
     resources: str  # a URI, section 2.1.5
@@ -40,10 +37,12 @@ class Job:
     patience: float  # seconds that a probe may use on repetitions
 
     def to_json(self) -> str:
+        """The job as text, for `read`."""
         return json.dumps(asdict(self))
 
     @staticmethod
     def read(file: Path) -> "Job":
+        """The job in a file that has the text of `to_json`."""
         data = json.loads(file.read_text("utf-8"))
         data["variables"] = [Known(**variable) for variable in data["variables"]]
         return Job(**data)

@@ -1,5 +1,4 @@
 """An unpacked FMU as the rules see it, and the careful reading of its modelDescription.xml (sections 2.2 and 2.3)."""
-
 from pathlib import Path
 from xml.parsers import expat
 
@@ -25,16 +24,16 @@ declare("xml.fmi-version", "2.2.1", ERROR, "fmiVersion is 2.0 (this checker know
 class Unusable(Exception):
     """The FMU cannot be judged any further; carries the rule and the fault that say why."""
 
-    def __init__(self, rule: str, fault: Fault) -> None:
+    def __init__(self, rule: str, fault: Fault):
         super().__init__(fault.found)
         self.rule = rule
         self.fault = fault
 
 
 def read(path: Path, folder: Path, members: list[str]) -> Fmu:
-    """Read the FMU unpacked in `folder`; raise `Unusable` when no description can be had."""
-    xml = _model_description(folder, members)
-    encoding = _look_at_prolog(xml)
+    """The FMU at `path` that is unpacked in `folder`. Raises Unusable if its modelDescription.xml cannot be read."""
+    xml = model_description(folder, members)
+    encoding = declared_encoding(xml)
     parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False, remove_comments=True)
     try:
         root = etree.fromstring(xml, parser)
@@ -43,35 +42,34 @@ def read(path: Path, folder: Path, members: list[str]) -> Fmu:
     version = root.get("fmiVersion")
     if root.tag == "fmiModelDescription" and version is not None and version.strip() != "2.0":
         raise Unusable("xml.fmi-version", Fault("fmiVersion", f"'{version}'", "'2.0'"))
-    return Fmu(path, folder, members, Description(root), encoding, _schema_faults(root))
+    return Fmu(path, folder, members, Description(root), encoding, schema_faults(root))
 
 
-def _model_description(folder: Path, members: list[str]) -> bytes:
+def model_description(folder: Path, members: list[str]) -> bytes:
+    """The bytes of modelDescription.xml. Raises Unusable if it is not at the archive's root."""
     file = folder / "modelDescription.xml"
     if file.is_file():
         return file.read_bytes()
     elsewhere = [name for name in members if name.lower().endswith("modeldescription.xml")]
     found = f"only '{elsewhere[0]}'" if elsewhere else "no such file"
-    raise Unusable(
-        "archive.model-description", Fault("modelDescription.xml", found, "modelDescription.xml at the archive's root")
-    )
+    raise Unusable("archive.model-description",
+                   Fault("modelDescription.xml", found, "modelDescription.xml at the archive's root"))
 
 
-class _RootReached(Exception):
-    """Ends the look at the prolog."""
+class RootReached(Exception):
+    """Ends the reading of the prolog: the root element begins."""
 
 
-def _look_at_prolog(xml: bytes) -> str | None:
-    """Return the declared encoding; refuse entities and external document types before any parser expands them."""
+def declared_encoding(xml: bytes) -> str | None:
+    """The declared encoding. Raises Unusable for entities and external document types before a parser expands them."""
     declared: list[str | None] = [None]
 
     def declaration(_version: str, encoding: str | None, _standalone: int) -> None:
         declared[0] = encoding
 
     def entity(name: str, *_: object) -> None:
-        raise Unusable(
-            "xml.entities", Fault("modelDescription.xml", f"the entity '{name}' is declared", "no entity declarations")
-        )
+        raise Unusable("xml.entities", Fault("modelDescription.xml", f"the entity '{name}' is declared",
+                                             "no entity declarations"))
 
     def doctype(_name: str, system: str | None, *_: object) -> None:
         if system:
@@ -79,7 +77,7 @@ def _look_at_prolog(xml: bytes) -> str | None:
             raise Unusable("xml.entities", Fault("modelDescription.xml", found, "no reference to other files"))
 
     def root(*_: object) -> None:
-        raise _RootReached
+        raise RootReached
 
     parser = expat.ParserCreate()
     parser.XmlDeclHandler = declaration
@@ -88,17 +86,17 @@ def _look_at_prolog(xml: bytes) -> str | None:
     parser.StartElementHandler = root
     try:
         parser.Parse(xml, True)
-    except _RootReached:
+    except RootReached:
         pass
     except expat.ExpatError:
         pass  # the XML parser proper reports this better
     return declared[0]
 
 
-def _schema_faults(root: etree._Element) -> list[Fault]:
+def schema_faults(root: etree._Element) -> list[Fault]:
+    """What the schema fmi2ModelDescription.xsd, as fmpy ships it, objects to."""
     file = Path(fmpy.__file__).parent / "schema" / "fmi2" / "fmi2ModelDescription.xsd"
     schema = etree.XMLSchema(etree.parse(str(file)))
     schema.validate(root)
-    return [
-        Fault(f"line {entry.line}", entry.message, "what fmi2ModelDescription.xsd allows") for entry in schema.error_log
-    ]
+    return [Fault(f"line {entry.line}", entry.message, "what fmi2ModelDescription.xsd allows")
+            for entry in schema.error_log]

@@ -1,5 +1,4 @@
-"""Finding what occurs more than once: half of the rules of section 2.2 say that something is unique."""
-
+"""Finds what occurs more than once: half of the rules of section 2.2 say that something is unique."""
 from collections import Counter
 from collections.abc import Hashable, Iterable
 from typing import TypeVar

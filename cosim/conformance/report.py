@@ -1,5 +1,4 @@
 """What a check hands back: findings, what was not tested, and two ways to show them (a table, a JSON-able dict)."""
-
 from collections import Counter
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -11,13 +10,12 @@ from ..text import html_table, html_text, printable
 from .rule import ERROR, RULES, SEVERITIES
 from .subject import Fault
 
-_COLOURS = {"error": "bold red", "warning": "yellow", "note": "dim"}
+COLOURS = {"error": "bold red", "warning": "yellow", "note": "dim"}
 
 
 @dataclass(frozen=True)
 class Finding:
     """One breach: `found` is what is there, `expected` what should be; `variable` may also be a unit, type or file."""
-
     rule: str
     section: str
     severity: str
@@ -29,7 +27,6 @@ class Finding:
 @dataclass(frozen=True)
 class NotTested:
     """Something that was left untested, and why (for instance a capability that the FMU does not claim)."""
-
     what: str
     why: str
 
@@ -37,7 +34,6 @@ class NotTested:
 @dataclass
 class Report:
     """All that is known about one FMU after the check."""
-
     fmu: Path
     findings: list[Finding] = field(default_factory=list)
     not_tested: list[NotTested] = field(default_factory=list)
@@ -96,8 +92,8 @@ def findings_table(report: Report) -> Table:
     for heading in ("severity", "rule", "section", "variable", "found", "expected"):
         table.add_column(heading, overflow="fold")
     for f in report.sorted_findings():
-        severity = f"[{_COLOURS[f.severity]}]{f.severity}[/]"
-        table.add_row(severity, f.rule, f.section, *(_plain(text) for text in (f.variable, f.found, f.expected)))
+        severity = f"[{COLOURS[f.severity]}]{f.severity}[/]"
+        table.add_row(severity, f.rule, f.section, *map(without_markup, (f.variable, f.found, f.expected)))
     return table
 
 
@@ -107,10 +103,10 @@ def not_tested_table(report: Report) -> Table:
     table.add_column("what")
     table.add_column("why", overflow="fold")
     for item in report.not_tested:
-        table.add_row(_plain(item.what), _plain(item.why))
+        table.add_row(without_markup(item.what), without_markup(item.why))
     return table
 
 
-def _plain(text: str) -> str:
-    """Keep rich from reading `[3]` in a variable name as markup."""
+def without_markup(text: str) -> str:
+    """`text` escaped so that rich does not take `[3]` in a variable name for markup."""
     return text.replace("[", r"\[")

@@ -4,7 +4,6 @@ A rule has an identifier, the section of the FMI 2.0.x specification that it enf
 `@static(...)` registers a rule with the function that checks it; `declare(...)` registers a rule that is found by
 something else (opening the archive, the XML schema, a dynamic probe).
 """
-
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
@@ -19,7 +18,6 @@ SEVERITIES = (ERROR, WARNING, NOTE)
 @dataclass(frozen=True)
 class Rule:
     """One rule of the FMI 2.0.x specification: `section` is the section that it enforces."""
-
     name: str
     section: str
     severity: str

@@ -8,7 +8,6 @@ from .description import Description
 
 class Fault(NamedTuple):
     """What a static check yields: which variable (or unit, type, file), what is there, what should be there."""
-
     variable: str
     found: str
     expected: str
@@ -17,7 +16,6 @@ class Fault(NamedTuple):
 @dataclass
 class Fmu:
     """An unpacked FMU: `members` are the archive's names, `encoding` is what the XML declaration says (or None)."""
-
     path: Path
     folder: Path
     members: list[str]

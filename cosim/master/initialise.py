@@ -60,8 +60,8 @@ class Exchange:
         instance.set(values)
 
     def numbers(self, names: list[str]) -> np.ndarray:
-        """The known values of `names` that are no texts, shape (names,)."""
-        return np.array([x for n in names if not isinstance(x := self.known[n], str)], dtype=float)
+        """The known values of `names`, which are numbers, shape (names,)."""
+        return np.array([self.known[n] for n in names], dtype=float)
 
     def settle(self, batches: list[Batch]) -> None:
         """Repeat a loop until its outputs stay the same, to SETTLED.
@@ -73,22 +73,23 @@ class Exchange:
         read = [batch for batch in batches if batch[0] not in self.targets]
         for batch in read:
             self.move(batch)
+        numeric = [n for n in shown if not isinstance(self.known[n], str)]
         nominal = np.array([abs(float(self.instances[n.partition(".")[0]].file.variable(n.partition(".")[2]).nominal
-                                      or 1.0)) for n in shown if not isinstance(self.known[n], str)])
+                                      or 1.0)) for n in numeric])
         for _ in range(MOST_PASSES):
-            before = self.numbers(shown)
+            before = self.numbers(numeric)
             for batch in given:  # each component's inputs, then at once its outputs
                 self.move(batch)
                 component = batch[0].partition(".")[0]
                 for other in read:
                     if other[0].partition(".")[0] == component:
                         self.move(other)
-            after = self.numbers(shown)
-            calm = np.abs(after - before) <= SETTLED * np.maximum(np.abs(after), nominal)
-            if np.all(calm):
+            after = self.numbers(numeric)
+            settled = np.abs(after - before) <= SETTLED * np.maximum(np.abs(after), nominal)
+            if np.all(settled):
                 return
-        restless = [n for n, still in zip((n for n in shown if not isinstance(self.known[n], str)), calm) if not still]
-        raise RunError(f"The initial values do not settle: {', '.join(restless[:5])} still change after "
+        unsettled = [n for n, still in zip(numeric, settled) if not still]
+        raise RunError(f"The initial values do not settle: {', '.join(unsettled[:5])} still change after "
                        f"{MOST_PASSES} passes through the loop of {', '.join(n for b in given for n in b[:3])}.")
 
 

@@ -4,5 +4,5 @@
     structure    SystemStructure.ssd as data            connections  connections through nested systems
     parameters   parameter sets and mappings            units        units and conversions
     archive, xml zip and XML of unknown origin          simulate     `ahv simulate`
-    notes        what is said on stderr meanwhile
+    notes        notes to the user on stderr
 """

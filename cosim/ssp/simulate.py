@@ -33,7 +33,7 @@ def simulate(path: Path, step: float | None, stop: float | None, algorithm: str,
         prepare_folder(folder)
         bar, progress = progress_bar(found.name, end)
         with bar:
-            flight = fly_isolated(found, size, end, algorithm, progress)  # a stranger's FMUs may crash
+            flight = fly_isolated(found, size, end, algorithm, progress)  # FMUs of unknown origin may crash
     for component, fmu in flight.fmus.items():
         fmu["file"] = f"{path}/{found.sources[component]}"
     last = float(flight.time[-1])

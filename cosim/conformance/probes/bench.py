@@ -1,9 +1,8 @@
-"""The bench on which probes run an FMU: legal lives, recorded trajectories, and a place to report to.
+"""What probes run an FMU with: instances, legal sequences of calls, recorded trajectories, and a place to report to.
 
-A legal life is that of section 4.2.4: instantiate, set up, initialize, steps, terminate, free. A legal call that fails
-raises `CallFailed`, which the child turns into a finding.
+A legal life of an instance is that of section 4.2.4: instantiate, set up, initialize, steps, terminate, free. A legal
+call that fails raises `CallFailed`, which the child turns into a finding.
 """
-
 import json
 import struct
 from collections.abc import Callable, Iterator
@@ -23,7 +22,7 @@ BASES = ("Real", "Integer", "Boolean", "String")
 class CallFailed(Exception):
     """A legal call was refused."""
 
-    def __init__(self, call: str, status: int, where: str) -> None:
+    def __init__(self, call: str, status: int, where: str):
         super().__init__(f"{call} returned {status_name(status)} {where}")
         self.call = call
         self.status = status
@@ -35,7 +34,6 @@ class NoInstance(Exception):
 
 class Probe(NamedTuple):
     """`legal`: all its calls are legal, so a crash is the FMU's fault beyond doubt; `many`: needs several instances."""
-
     name: str
     run: "Run"
     legal: bool
@@ -56,6 +54,7 @@ def probe(name: str, legal: bool = True, many: bool = False) -> "Callable[[Run],
 
 
 def status_name(status: int) -> str:
+    """A status as the standard spells it."""
     return STATUS[status] if 0 <= status < len(STATUS) else f"the unknown status {status}"
 
 
@@ -65,7 +64,6 @@ Row = tuple[Value, ...]
 @dataclass(frozen=True)
 class Difference:
     """Where two trajectories part."""
-
     variable: str
     text: str
 
@@ -73,32 +71,36 @@ class Difference:
 class Bench:
     """One loaded FMU in the child process."""
 
-    def __init__(self, job: Job, mark: Mark, results: Path) -> None:
+    def __init__(self, job: Job, mark: Mark, results: Path):
         self.job = job
-        self._results = results
-        self._mark = mark
-        self._pending: list[Instance] = []
+        self.results_file = results
+        self.mark = mark
 
     @cached_property
     def library(self) -> Library:
-        return Library(Path(self.job.library), self._mark)
+        """The loaded library. Raises OSError if it does not load."""
+        return Library(Path(self.job.library), self.mark)
 
-    # reporting ---------------------------------------------------------------------------------------------------
+    # --- reporting ------------------------------------------------------------------------------------
 
     def fault(self, rule: str, variable: str, found: str, expected: str, severity: str | None = None) -> None:
-        self._write({"rule": rule, "fault": [variable, found, expected], "severity": severity})
+        """Report a breach of `rule`; `severity` if it is milder than the rule's own."""
+        self.write_line({"rule": rule, "fault": [variable, found, expected], "severity": severity})
 
     def skip(self, what: str, why: str) -> None:
-        self._write({"skip": [what, why]})
+        """Report what is not tested, and why."""
+        self.write_line({"skip": [what, why]})
 
     def note(self, event: str, name: str) -> None:
-        self._write({event: name})
+        """Report that a probe begins or ends."""
+        self.write_line({event: name})
 
-    def _write(self, line: dict[str, object]) -> None:
-        with self._results.open("a", encoding="utf-8") as file:
+    def write_line(self, line: dict[str, object]) -> None:
+        """Write one line of JSON for the parent."""
+        with self.results_file.open("a", encoding="utf-8") as file:
             file.write(json.dumps(line) + "\n")
 
-    # legal lives -------------------------------------------------------------------------------------------------
+    # --- legal lives ----------------------------------------------------------------------------------
 
     @contextmanager
     def instance(self, logging_on: bool = False) -> Iterator[Instance]:
@@ -112,11 +114,13 @@ class Bench:
             made.free()
 
     def initialize(self, fmu: Instance, stop: float | None = None) -> None:
+        """From instantiated to ready to step; `stop` in s. Raises CallFailed."""
         self.expect(fmu.setup(self.job.start, stop), "fmi2SetupExperiment", "in the state instantiated")
         self.expect(fmu.call("EnterInitializationMode"), "fmi2EnterInitializationMode", "after fmi2SetupExperiment")
         self.expect(fmu.call("ExitInitializationMode"), "fmi2ExitInitializationMode", "in initialization mode")
 
     def step(self, fmu: Instance, number: int, size: float | None = None) -> None:
+        """Step number `number`, of `size` s or else the job's step. Raises CallFailed."""
         time = self.time(number)
         self.expect(fmu.step(time, size or self.job.step), "fmi2DoStep", f"at time {time:g}")
 
@@ -128,6 +132,7 @@ class Bench:
             raise CallFailed(call, status, where)
 
     def time(self, number: int) -> float:
+        """The time (s) at which step `number` begins."""
         return self.job.start + number * self.job.step
 
     @property
@@ -142,7 +147,7 @@ class Bench:
             return STEPS
         return max(2, min(STEPS, int((self.job.stop - self.job.start) / self.job.step + 1e-9)))
 
-    # trajectories ------------------------------------------------------------------------------------------------
+    # --- trajectories ---------------------------------------------------------------------------------
 
     @cached_property
     def recorded(self) -> list[Known]:
@@ -165,7 +170,7 @@ class Bench:
         rows = []
         for number in range(first, last):
             if self.excitable if excite is None else excite:
-                self._excite(fmu, number)
+                self.move_inputs(fmu, number)
             self.step(fmu, number)
             rows.append(self.row(fmu))
         return rows
@@ -205,7 +210,7 @@ class Bench:
 
     @cached_property
     def excitable(self) -> bool:
-        """Whether the FMU bears small movements of its inputs; if not, runs keep them at their start values."""
+        """Whether the FMU runs with small movements of its inputs; if not, runs keep them at their start values."""
         if not self.moving_inputs or self.is_single:
             return False
         try:
@@ -217,9 +222,10 @@ class Bench:
 
     @cached_property
     def moving_inputs(self) -> list[Known]:
+        """The inputs of type Real."""
         return [v for v in self.job.variables if v.causality == "input" and v.base == "Real"]
 
-    def _excite(self, fmu: Instance, number: int) -> None:
+    def move_inputs(self, fmu: Instance, number: int) -> None:
         """Move every Real input by up to a hundredth of its scale around its start value, always in the same way."""
         values = [moved(v, ((number * 7) % 5 - 2) / 2) for v in self.moving_inputs]
         self.expect(fmu.set("Real", [v.reference for v in self.moving_inputs], values), "fmi2SetReal", "on the inputs")

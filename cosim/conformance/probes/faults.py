@@ -1,9 +1,8 @@
-"""Probes of how an FMU bears a master's mistakes.
+"""Probes of what an FMU does when a master makes mistakes: calls and values that the standard does not allow.
 
-FMI 2.0 makes the master responsible for these calls, so bearing them badly is no error. But an FMU that refuses them is
-easier to trust, and one that crashes takes its master with it.
+FMI 2.0 makes the master responsible for these calls, so most findings are warnings or notes. An FMU that refuses them
+is easier to trust, and one that crashes ends its master as well.
 """
-
 import math
 from collections.abc import Callable
 from functools import partial
@@ -24,50 +23,58 @@ def guid(bench: Bench) -> None:
         bench.fault("dynamic.guid", "fmi2Instantiate", f"an instance for the wrong GUID '{wrong}'", "a null pointer")
 
 
-def _before_setup(bench: Bench, fmu: Instance) -> None:
+def before_setup(bench: Bench, fmu: Instance) -> None:
     """Leave the instance as it is."""
 
 
-def _initializing(bench: Bench, fmu: Instance) -> None:
+def in_initialization(bench: Bench, fmu: Instance) -> None:
+    """Bring the instance into initialization mode."""
     bench.expect(fmu.setup(bench.job.start), "fmi2SetupExperiment", "in the state instantiated")
     bench.expect(fmu.call("EnterInitializationMode"), "fmi2EnterInitializationMode", "after fmi2SetupExperiment")
 
 
-def _stepping(bench: Bench, fmu: Instance) -> None:
+def stepping(bench: Bench, fmu: Instance) -> None:
+    """Bring the instance to the state after a first step."""
     bench.initialize(fmu)
     bench.step(fmu, 0)
 
 
-def _terminated(bench: Bench, fmu: Instance) -> None:
-    _stepping(bench, fmu)
+def terminated(bench: Bench, fmu: Instance) -> None:
+    """Bring the instance to the state after fmi2Terminate."""
+    stepping(bench, fmu)
     bench.expect(fmu.call("Terminate"), "fmi2Terminate", "after a step")
 
 
-def _do_step(bench: Bench, fmu: Instance) -> int:
+def do_step(bench: Bench, fmu: Instance) -> int:
+    """fmi2DoStep from the start; its status."""
     return fmu.step(bench.job.start, bench.job.step)
 
 
-def _call(name: str, _bench: Bench, fmu: Instance) -> int:
+def plain(name: str, _bench: Bench, fmu: Instance) -> int:
+    """fmi2`name`; its status."""
     return fmu.call(name)
 
 
-def _set_up(bench: Bench, fmu: Instance) -> int:
+def set_up(bench: Bench, fmu: Instance) -> int:
+    """fmi2SetupExperiment; its status."""
     return fmu.setup(bench.job.start)
 
 
 # Section 4.2.4, the table of allowed calls: (what is called, in which state, how to get there, the call).
-_FORBIDDEN: tuple[tuple[str, str, Callable[[Bench, Instance], None], Callable[[Bench, Instance], int]], ...] = (
-    ("fmi2DoStep", "instantiated", _before_setup, _do_step),
-    ("fmi2ExitInitializationMode", "instantiated", _before_setup, partial(_call, "ExitInitializationMode")),
-    ("fmi2DoStep", "initialization mode", _initializing, _do_step),
-    ("fmi2EnterInitializationMode", "initialization mode", _initializing, partial(_call, "EnterInitializationMode")),
-    ("fmi2SetupExperiment", "step complete", _stepping, _set_up),
-    ("fmi2EnterInitializationMode", "step complete", _stepping, partial(_call, "EnterInitializationMode")),
-    ("fmi2DoStep", "terminated", _terminated, _do_step),
+FORBIDDEN: tuple[tuple[str, str, Callable[[Bench, Instance], None], Callable[[Bench, Instance], int]], ...] = (
+    ("fmi2DoStep", "instantiated", before_setup, do_step),
+    ("fmi2ExitInitializationMode", "instantiated", before_setup, partial(plain, "ExitInitializationMode")),
+    ("fmi2DoStep", "initialization mode", in_initialization, do_step),
+    ("fmi2EnterInitializationMode", "initialization mode", in_initialization,
+     partial(plain, "EnterInitializationMode")),
+    ("fmi2SetupExperiment", "step complete", stepping, set_up),
+    ("fmi2EnterInitializationMode", "step complete", stepping, partial(plain, "EnterInitializationMode")),
+    ("fmi2DoStep", "terminated", terminated, do_step),
 )
 
 
-def _try_forbidden(call: str, state: str, arrive: Callable, act: Callable, bench: Bench) -> None:
+def try_forbidden(call: str, state: str, arrive: Callable, act: Callable, bench: Bench) -> None:
+    """4.2.4: a call in a state that does not allow it returns fmi2Error."""
     with bench.instance() as fmu:
         arrive(bench, fmu)
         status = act(bench, fmu)
@@ -76,14 +83,14 @@ def _try_forbidden(call: str, state: str, arrive: Callable, act: Callable, bench
             bench.fault("dynamic.call-order", call, found, "fmi2Error")
 
 
-for _forbidden in _FORBIDDEN:
-    probe(f"call-order: {_forbidden[0]} when {_forbidden[1]}", legal=False)(partial(_try_forbidden, *_forbidden))
+for _forbidden in FORBIDDEN:
+    probe(f"call-order: {_forbidden[0]} when {_forbidden[1]}", legal=False)(partial(try_forbidden, *_forbidden))
 
 
-def _try_step_size(size: float, rule: str, bench: Bench) -> None:
+def try_step_size(size: float, rule: str, bench: Bench) -> None:
     """4.2.2: the communication step size must be above zero."""
     with bench.instance() as fmu:
-        _stepping(bench, fmu)
+        stepping(bench, fmu)
         status = fmu.step(bench.time(1), size)
         if status <= WARNING:
             found = f"{status_name(status)} for a communication step of {size:g}"
@@ -92,16 +99,16 @@ def _try_step_size(size: float, rule: str, bench: Bench) -> None:
 
 for _name, _size in (("zero", 0.0), ("negative", -1e-3), ("nan", math.nan)):
     _rule = "dynamic.zero-step" if _name == "zero" else "dynamic.bad-step"
-    probe(f"step-size: {_name}", legal=False)(partial(_try_step_size, _size, _rule))
+    probe(f"step-size: {_name}", legal=False)(partial(try_step_size, _size, _rule))
 
 
-def _try_unknown(base: str, setting: bool, bench: Bench) -> None:
+def try_unknown(base: str, setting: bool, bench: Bench) -> None:
     """2.1.7: a value reference that no variable of this type has."""
     used = {v.reference for v in bench.job.variables}
     unknown = next(reference for reference in range(987654321, 2**31) if reference not in used)
     value: Value = b"" if base == "String" else 0
     with bench.instance() as fmu:
-        _stepping(bench, fmu)
+        stepping(bench, fmu)
         status = fmu.set(base, [unknown], [value]) if setting else fmu.get(base, [unknown])[0]
         if status <= WARNING:
             call = f"fmi2{'Set' if setting else 'Get'}{base}"
@@ -111,12 +118,11 @@ def _try_unknown(base: str, setting: bool, bench: Bench) -> None:
 
 for _base in BASES:
     for _setting in (False, True):
-        probe(f"unknown-reference: {'Set' if _setting else 'Get'}{_base}", legal=False)(
-            partial(_try_unknown, _base, _setting)
-        )
+        _verb = "Set" if _setting else "Get"
+        probe(f"unknown-reference: {_verb}{_base}", legal=False)(partial(try_unknown, _base, _setting))
 
 
-def _forbidden_writes(bench: Bench) -> list[Known]:
+def forbidden_writes(bench: Bench) -> list[Known]:
     """One variable of each kind that may not be set between steps: the first of each causality and variability."""
     kinds: dict[tuple[str, str], Known] = {}
     for v in bench.job.variables:
@@ -128,12 +134,12 @@ def _forbidden_writes(bench: Bench) -> list[Known]:
 @probe("forbidden-write", legal=False)
 def forbidden_write(bench: Bench) -> None:
     """2.2.7, 4.2.4: constants, fixed parameters, outputs and locals cannot be set between steps."""
-    for v in _forbidden_writes(bench):
+    for v in forbidden_writes(bench):
         if bench.library.is_corrupt:
             bench.skip("setting what may not be set, further variables", "the FMU answered the first with fmi2Fatal")
             return
         with bench.instance() as fmu:
-            _stepping(bench, fmu)
+            stepping(bench, fmu)
             _, before = fmu.get(v.base, [v.reference])
             status = fmu.set(v.base, [v.reference], before)
             if status <= WARNING:
@@ -150,30 +156,32 @@ def nonfinite(bench: Bench) -> None:
     bench.prepare()
     for value in (math.nan, math.inf):
         with bench.instance() as fmu:
-            if _poison(bench, fmu, value):
-                _expect_first_run(bench, fmu, value)
+            if survives(bench, fmu, value):
+                expect_first_run(bench, fmu, value)
         if bench.library.is_corrupt:
             return
 
 
-def _poison(bench: Bench, fmu: Instance, value: float) -> bool:
-    """Set the value on every Real input and step; false when the instance cannot be used further."""
+def survives(bench: Bench, fmu: Instance, value: float) -> bool:
+    """Set every Real input to the value and step; whether the instance can still be used."""
     bench.initialize(fmu)
     references = [v.reference for v in bench.moving_inputs]
     accepted = fmu.set("Real", references, [value] * len(references)) <= WARNING
     if accepted and fmu.step(bench.job.start, bench.job.step) <= WARNING:
-        spoiled = [v.name for v, got in zip(bench.recorded, bench.row(fmu), strict=True) if _is_bad(got)]
+        spoiled = [v.name for v, got in zip(bench.recorded, bench.row(fmu), strict=True) if is_nonfinite(got)]
         if spoiled:
             found = f"{value:g} on the inputs gives fmi2OK and non-finite values ({len(spoiled)} variables)"
             bench.fault("dynamic.nonfinite-input", spoiled[0], found, "fmi2Error or fmi2Discard, or finite values")
     return not bench.library.is_corrupt
 
 
-def _is_bad(value: Value) -> bool:
+def is_nonfinite(value: Value) -> bool:
+    """Whether a value is NaN or infinite."""
     return isinstance(value, float) and not math.isfinite(value)
 
 
-def _expect_first_run(bench: Bench, fmu: Instance, value: float) -> None:
+def expect_first_run(bench: Bench, fmu: Instance, value: float) -> None:
+    """Reset the FMU and compare its run with the first one."""
     bench.expect(fmu.call("Reset"), "fmi2Reset", f"after {value:g} on the inputs")
     rows: list[Row] = bench.run(fmu)
     different = bench.difference(bench.first_run, rows)

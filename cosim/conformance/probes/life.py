@@ -1,5 +1,4 @@
 """Probes of what every FMU must be able to do: load, live, be read, be written, start again. All calls are legal."""
-
 import math
 
 from ..fmi2 import WARNING, Instance, Value
@@ -39,17 +38,19 @@ def start_values(bench: Bench) -> None:
     with bench.instance() as fmu:
         bench.initialize(fmu)
         for v, value in bench.readings(fmu, exact):
-            if not _same(value, v.start):
-                bench.fault("dynamic.start-value", v.name, f"{_shown(value)} after initialization", _shown(v.start))
+            if not same(value, v.start):
+                bench.fault("dynamic.start-value", v.name, f"{shown(value)} after initialization", shown(v.start))
 
 
-def _same(value: Value, start: Value) -> bool:
+def same(value: Value, start: Value) -> bool:
+    """Whether a value is the start value, as far as its text in the XML file tells."""
     if isinstance(value, float) and isinstance(start, (int, float)):
         return math.isclose(value, start, rel_tol=1e-6, abs_tol=1e-12)  # the XML may hold fewer digits
-    return _shown(value) == _shown(start)
+    return shown(value) == shown(start)
 
 
-def _shown(value: Value) -> str:
+def shown(value: Value) -> str:
+    """A value as text."""
     return value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
 
 
@@ -60,16 +61,17 @@ def read(bench: Bench) -> None:
         bench.expect(fmu.setup(bench.job.start), "fmi2SetupExperiment", "in the state instantiated")
         bench.expect(fmu.call("EnterInitializationMode"), "fmi2EnterInitializationMode", "after fmi2SetupExperiment")
         outputs = [v for v in bench.job.variables if v.causality == "output"]
-        _read_each(bench, fmu, outputs, "in initialization mode")
+        read_each(bench, fmu, outputs, "in initialization mode")
         bench.expect(fmu.call("ExitInitializationMode"), "fmi2ExitInitializationMode", "in initialization mode")
-        _read_each(bench, fmu, bench.job.variables, "after initialization")
+        read_each(bench, fmu, bench.job.variables, "after initialization")
         bench.step(fmu, 0)
-        _read_each(bench, fmu, bench.job.variables, "after a step")
+        read_each(bench, fmu, bench.job.variables, "after a step")
         bench.expect(fmu.call("Terminate"), "fmi2Terminate", "after a step")
-        _read_each(bench, fmu, bench.job.variables, "after fmi2Terminate")
+        read_each(bench, fmu, bench.job.variables, "after fmi2Terminate")
 
 
-def _read_each(bench: Bench, fmu: Instance, variables: list[Known], where: str) -> None:
+def read_each(bench: Bench, fmu: Instance, variables: list[Known], where: str) -> None:
+    """Read variables one by one and report what is refused."""
     for v in variables:
         if bench.library.is_corrupt:
             return
@@ -77,10 +79,11 @@ def _read_each(bench: Bench, fmu: Instance, variables: list[Known], where: str) 
         if status > WARNING:
             bench.fault("dynamic.read", v.name, f"fmi2Get{v.base} returned {status_name(status)} {where}", "fmi2OK")
         elif v.base == "String":
-            _check_string(bench, v, values[0], where)
+            check_string(bench, v, values[0], where)
 
 
-def _check_string(bench: Bench, v: Known, value: Value, where: str) -> None:
+def check_string(bench: Bench, v: Known, value: Value, where: str) -> None:
+    """Report a null pointer, or bytes that are not UTF-8."""
     if value is None:
         bench.fault("dynamic.string", v.name, f"a null pointer {where}", "a string in UTF-8, perhaps empty")
     elif isinstance(value, bytes):
@@ -100,21 +103,23 @@ def values(bench: Bench) -> None:
         bench.advance(fmu, 0, bench.steps, excite=False)
         last = bench.readings(fmu, numbers)
     for (v, before), (_, after) in zip(first, last, strict=False):
-        _check_value(bench, v, after)
+        check_value(bench, v, after)
         if v.variability in ("constant", "fixed", "tunable") and bits(before) != bits(after):
             found = f"{before!r} after initialization, {after!r} after {bench.steps} steps"
             bench.fault("dynamic.data-changes", v.name, found, f"one value: the variable is {v.variability}")
         if v.causality == "independent" and isinstance(after, float):
-            _check_time(bench, v, after)
+            check_time(bench, v, after)
 
 
-def _check_time(bench: Bench, v: Known, value: float) -> None:
+def check_time(bench: Bench, v: Known, value: float) -> None:
+    """Report an independent variable that is not the time."""
     expected = bench.time(bench.steps)
     if abs(value - expected) > 1e-6 * max(bench.job.step, abs(expected)):
         bench.fault("dynamic.time", v.name, f"{value!r} after {bench.steps} steps", f"{expected:g}, the time")
 
 
-def _check_value(bench: Bench, v: Known, value: Value) -> None:
+def check_value(bench: Bench, v: Known, value: Value) -> None:
+    """Report a value that is not finite, or that its type or range excludes."""
     if not isinstance(value, (int, float)):
         return
     if not math.isfinite(value):
@@ -123,14 +128,15 @@ def _check_value(bench: Bench, v: Known, value: Value) -> None:
         bench.fault("dynamic.range", v.name, f"{value}", "fmi2False (0) or fmi2True (1)")
     elif v.items and value not in v.items:
         bench.fault("dynamic.range", v.name, f"{value}", f"one of {', '.join(map(str, v.items))}")
-    elif _is_outside(v, value):
+    elif is_outside(v, value):
         low = "-inf" if v.low is None else f"{v.low:g}"
         high = "inf" if v.high is None else f"{v.high:g}"
         severity = "note" if v.base == "Real" else None  # for a Real, min and max are information (2.2.3)
         bench.fault("dynamic.range", v.name, f"{value!r}", f"{low} to {high}", severity)
 
 
-def _is_outside(v: Known, value: float) -> bool:
+def is_outside(v: Known, value: float) -> bool:
+    """Whether a value lies outside of min and max."""
     slack = 1e-6 * max(abs(v.low or 0.0), abs(v.high or 0.0), 1e-3) if v.base == "Real" else 0.0
     return (v.low is not None and value < v.low - slack) or (v.high is not None and value > v.high + slack)
 
@@ -150,17 +156,18 @@ def may_set(v: Known, mode: str) -> bool:
 def write(bench: Bench) -> None:
     """2.1.7, 4.2.4: what may be set can be set, to its start value, in each mode where that is allowed."""
     with bench.instance() as fmu:
-        _write_each(bench, fmu, "instantiated")
+        write_each(bench, fmu, "instantiated")
         bench.expect(fmu.setup(bench.job.start), "fmi2SetupExperiment", "in the state instantiated")
         bench.expect(fmu.call("EnterInitializationMode"), "fmi2EnterInitializationMode", "after fmi2SetupExperiment")
-        _write_each(bench, fmu, "initialization mode")
+        write_each(bench, fmu, "initialization mode")
         bench.expect(fmu.call("ExitInitializationMode"), "fmi2ExitInitializationMode", "in initialization mode")
-        _write_each(bench, fmu, "step complete")
+        write_each(bench, fmu, "step complete")
         bench.step(fmu, 0)
-        _write_each(bench, fmu, "step complete")
+        write_each(bench, fmu, "step complete")
 
 
-def _write_each(bench: Bench, fmu: Instance, mode: str) -> None:
+def write_each(bench: Bench, fmu: Instance, mode: str) -> None:
+    """Set variables to their start values one by one and report what is refused."""
     for v in bench.job.variables:
         if v.start is None or not may_set(v, mode) or bench.library.is_corrupt:
             continue
@@ -181,7 +188,7 @@ def write_read(bench: Bench) -> None:
         if fmu.call("EnterInitializationMode") > WARNING or fmu.call("ExitInitializationMode") > WARNING:
             return  # the FMU need not bear these values
         for v, value in bench.readings(fmu, targets):
-            if not _same(value, moved(v, 0.5)):
+            if not same(value, moved(v, 0.5)):
                 found = f"{value!r} after it was set to {moved(v, 0.5)!r} before initialization"
                 bench.fault("dynamic.write-ignored", v.name, found, "the value that was set")
 
@@ -222,7 +229,7 @@ def twice(bench: Bench) -> None:
         if other is None:
             bench.fault("dynamic.second-instance", "fmi2Instantiate", "a null pointer beside another", "an instance")
             return
-        rows = _interleaved(bench, fmu, other)
+        rows = interleaved(bench, fmu, other)
         other.free()
         rows += bench.advance(fmu, bench.steps // 2, bench.steps)
         different = bench.difference(bench.first_run, rows)
@@ -230,7 +237,7 @@ def twice(bench: Bench) -> None:
         bench.fault("dynamic.isolation", different.variable, different.text, "what it gives alone")
 
 
-def _interleaved(bench: Bench, fmu: Instance, other: Instance) -> list[tuple[Value, ...]]:
+def interleaved(bench: Bench, fmu: Instance, other: Instance) -> list[tuple[Value, ...]]:
     """Half a run of `fmu`, while `other` is initialized with other values and steps in between."""
     for v in bench.job.variables:
         if v.base == "Real" and v.causality in ("parameter", "input"):

@@ -1,9 +1,8 @@
-"""Probes of what an FMU claims to be able to do (the capability flags of 4.3.1), and of what it leaves behind."""
-
+"""Probes of the capabilities that an FMU claims (4.3.1), and of memory and files that it does not give back."""
 import gc
 import mmap
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from ctypes import c_void_p
 from itertools import pairwise
 from pathlib import Path
@@ -12,18 +11,20 @@ from ..fmi2 import WARNING, Instance
 from ..job import Known
 from .bench import Bench, Row, probe, status_name
 
-_WARM_UP = 50  # cycles after which caches are filled
-_SMALL_LEAK = 512  # bytes for each life: less is what allocators make of nothing
-_LARGE_LEAK = 16 * 1024  # bytes for each life: up to here a thousand lives cost a host 16 MB, which is worth a note
-_STEP_LEAK = 64  # bytes for each step
-_LEAST = 256 * 1024  # bytes altogether: less is not measured reliably
+WARM_UP = 50  # cycles after which caches are filled
+SMALL_LEAK = 512  # bytes for each life: less is what allocators make of nothing
+LARGE_LEAK = 16 * 1024  # bytes for each life: up to here a thousand lives cost a host 16 MB, which is worth a note
+STEP_LEAK = 64  # bytes for each step
+LEAST = 256 * 1024  # bytes altogether: less is not measured reliably
 
 
-def _is_continuous_output(v: Known) -> bool:
+def is_continuous_output(v: Known) -> bool:
+    """Whether the variable is a continuous output of type Real."""
     return (v.base, v.causality, v.variability) == ("Real", "output", "continuous")
 
 
-def _claimed(bench: Bench, flag: str, what: str) -> bool:
+def is_claimed(bench: Bench, flag: str, what: str) -> bool:
+    """Whether the FMU claims a capability; if not, `what` is reported as not tested."""
     if not bench.job.claims.get(flag):
         bench.skip(what, f"not claimed ({flag})")
         return False
@@ -33,7 +34,7 @@ def _claimed(bench: Bench, flag: str, what: str) -> bool:
 @probe("varying-steps")
 def varying_steps(bench: Bench) -> None:
     """4.3.1 canHandleVariableCommunicationStepSize: steps of varying size are done."""
-    if not _claimed(bench, "canHandleVariableCommunicationStepSize", "steps of varying size"):
+    if not is_claimed(bench, "canHandleVariableCommunicationStepSize", "steps of varying size"):
         return
     bench.prepare()
     with bench.instance() as fmu:
@@ -51,12 +52,12 @@ def varying_steps(bench: Bench) -> None:
 @probe("state")
 def state(bench: Bench) -> None:
     """2.1.8 canGetAndSetFMUstate: a state that was saved and set again replays to the last bit, more than once."""
-    if not _claimed(bench, "canGetAndSetFMUstate", "saving and restoring the FMU's state"):
+    if not is_claimed(bench, "canGetAndSetFMUstate", "saving and restoring the FMU's state"):
         return
     bench.prepare()
     with bench.instance() as fmu:
-        saved = _saved_half_way(bench, fmu)
-        _compare_replays(bench, fmu, saved, "dynamic.state-replay")
+        saved = saved_half_way(bench, fmu)
+        compare_replays(bench, fmu, saved, "dynamic.state-replay")
         bench.expect(fmu.free_state(saved), "fmi2FreeFMUstate", "of a saved state")
         if saved.value:
             found = "the pointer is not null afterwards"
@@ -67,21 +68,22 @@ def state(bench: Bench) -> None:
 @probe("serialize")
 def serialize(bench: Bench) -> None:
     """2.1.8 canSerializeFMUstate: a state that went through bytes replays to the last bit."""
-    if not _claimed(bench, "canSerializeFMUstate", "serializing the FMU's state"):
+    if not is_claimed(bench, "canSerializeFMUstate", "serializing the FMU's state"):
         return
     bench.prepare()
     with bench.instance() as fmu:
-        saved = _saved_half_way(bench, fmu)
+        saved = saved_half_way(bench, fmu)
         status, data = fmu.serialize(saved)
         bench.expect(status, "fmi2SerializeFMUstate", "of a saved state")
         bench.expect(fmu.free_state(saved), "fmi2FreeFMUstate", "of a saved state")
         status, restored = fmu.deserialize(data)
         bench.expect(status, "fmi2DeSerializeFMUstate", "of serialized bytes")
-        _compare_replays(bench, fmu, restored, "dynamic.serialize-replay")
+        compare_replays(bench, fmu, restored, "dynamic.serialize-replay")
         bench.expect(fmu.free_state(restored), "fmi2FreeFMUstate", "of a deserialized state")
 
 
-def _saved_half_way(bench: Bench, fmu: Instance) -> c_void_p:
+def saved_half_way(bench: Bench, fmu: Instance) -> c_void_p:
+    """Fly half a run; the state saved there."""
     bench.initialize(fmu)
     bench.advance(fmu, 0, bench.steps // 2)
     status, saved = fmu.get_state()
@@ -89,7 +91,7 @@ def _saved_half_way(bench: Bench, fmu: Instance) -> c_void_p:
     return saved
 
 
-def _compare_replays(bench: Bench, fmu: Instance, saved: c_void_p, rule: str) -> None:
+def compare_replays(bench: Bench, fmu: Instance, saved: c_void_p, rule: str) -> None:
     """Go on from here, then twice from the saved state: all three must agree."""
     half = bench.steps // 2
     original = bench.advance(fmu, half, bench.steps)
@@ -105,9 +107,9 @@ def _compare_replays(bench: Bench, fmu: Instance, saved: c_void_p, rule: str) ->
 @probe("directional")
 def directional(bench: Bench) -> None:
     """2.1.9 providesDirectionalDerivative: fmi2GetDirectionalDerivative works from inputs to outputs."""
-    if not _claimed(bench, "providesDirectionalDerivative", "directional derivatives"):
+    if not is_claimed(bench, "providesDirectionalDerivative", "directional derivatives"):
         return
-    outputs = [v for v in bench.job.variables if _is_continuous_output(v)]
+    outputs = [v for v in bench.job.variables if is_continuous_output(v)]
     with bench.instance() as fmu:
         bench.initialize(fmu)
         bench.step(fmu, 0)
@@ -123,32 +125,33 @@ def directional(bench: Bench) -> None:
 @probe("input-derivatives")
 def input_derivatives(bench: Bench) -> None:
     """4.2.1 canInterpolateInputs: derivatives of continuous inputs can be set."""
-    if not _claimed(bench, "canInterpolateInputs", "derivatives of inputs"):
+    if not is_claimed(bench, "canInterpolateInputs", "derivatives of inputs"):
         return
     with bench.instance() as fmu:
         bench.initialize(fmu)
-        for v in bench.moving_inputs:
-            status = fmu.input_derivative(v.reference, 0.0) if v.variability == "continuous" else 0
-            if status > WARNING:
-                found = f"fmi2SetRealInputDerivatives returned {status_name(status)}"
-                bench.fault("dynamic.input-derivatives", v.name, found, "fmi2OK")
-                return
+        inputs = [v for v in bench.moving_inputs if v.variability == "continuous"]
+        answers = ((v, fmu.input_derivative(v.reference, 0.0)) for v in inputs)
+        report_refusal(bench, "dynamic.input-derivatives", "fmi2SetRealInputDerivatives", answers)
 
 
 @probe("output-derivatives")
 def output_derivatives(bench: Bench) -> None:
     """4.2.1 maxOutputDerivativeOrder: first derivatives of continuous outputs can be read after a step."""
-    if not _claimed(bench, "maxOutputDerivativeOrder", "derivatives of outputs"):
+    if not is_claimed(bench, "maxOutputDerivativeOrder", "derivatives of outputs"):
         return
     with bench.instance() as fmu:
         bench.initialize(fmu)
         bench.step(fmu, 0)
-        for v in bench.job.variables:
-            status = fmu.output_derivative(v.reference) if _is_continuous_output(v) else 0
-            if status > WARNING:
-                found = f"fmi2GetRealOutputDerivatives returned {status_name(status)}"
-                bench.fault("dynamic.output-derivatives", v.name, found, "fmi2OK")
-                return
+        answers = ((v, fmu.output_derivative(v.reference)) for v in bench.job.variables if is_continuous_output(v))
+        report_refusal(bench, "dynamic.output-derivatives", "fmi2GetRealOutputDerivatives", answers)
+
+
+def report_refusal(bench: Bench, rule: str, call: str, answers: Iterable[tuple[Known, int]]) -> None:
+    """Report the first of (variable, status) whose status says that the call failed; no further call is made."""
+    for v, status in answers:
+        if status > WARNING:
+            bench.fault(rule, v.name, f"{call} returned {status_name(status)}", "fmi2OK")
+            return
 
 
 @probe("asynchronous")
@@ -161,14 +164,14 @@ def asynchronous(bench: Bench) -> None:
 @probe("memory", many=True)
 def memory(bench: Bench) -> None:
     """2.1.5: fmi2FreeInstance frees all memory and other resources, seen over many lives of an instance."""
-    handles = _handles()
-    grown, done = _growth(bench, lambda: _life(bench), "lives of an instance")
-    if grown > max(_SMALL_LEAK * done, _LEAST):
-        severity = "note" if grown < _LARGE_LEAK * done else None
+    handles = open_handles()
+    grown, done = growth(bench, lambda: life(bench), "lives of an instance")
+    if grown > max(SMALL_LEAK * done, LEAST):
+        severity = "note" if grown < LARGE_LEAK * done else None
         found = f"{grown // done} bytes more for each of {done} lives"
         bench.fault("dynamic.memory", "fmi2FreeInstance", found, "all memory is freed", severity)
-    if done and _handles() - handles >= done:
-        found = f"{_handles() - handles} more open files after {done} lives"
+    if done and open_handles() - handles >= done:
+        found = f"{open_handles() - handles} more open files after {done} lives"
         bench.fault("dynamic.handles", "fmi2FreeInstance", found, "as many as before")
 
 
@@ -176,28 +179,30 @@ def memory(bench: Bench) -> None:
 def memory_steps(bench: Bench) -> None:
     """2.1.5: stepping does not need ever more memory, seen over many runs of one instance."""
     with bench.instance() as fmu:
-        grown, done = _growth(bench, lambda: _rerun(bench, fmu), "runs with resets between")
+        grown, done = growth(bench, lambda: rerun(bench, fmu), "runs with resets between")
     steps = done * bench.steps
-    if grown > max(_STEP_LEAK * steps, _LEAST):
+    if grown > max(STEP_LEAK * steps, LEAST):
         found = f"{grown // steps} bytes more for each of {steps} steps"
         bench.fault("dynamic.memory", "fmi2DoStep", found, "no growth from step to step")
 
 
-def _life(bench: Bench) -> None:
+def life(bench: Bench) -> None:
+    """One short life of an instance."""
     with bench.instance() as fmu:
         bench.initialize(fmu)
         bench.step(fmu, 0)
         bench.expect(fmu.call("Terminate"), "fmi2Terminate", "after a step")
 
 
-def _rerun(bench: Bench, fmu: Instance) -> None:
+def rerun(bench: Bench, fmu: Instance) -> None:
+    """One run of an instance, then fmi2Reset."""
     bench.initialize(fmu)
     for number in range(bench.steps):
         bench.step(fmu, number)
     bench.expect(fmu.call("Reset"), "fmi2Reset", "after a step")
 
 
-def _growth(bench: Bench, once: Callable[[], None], what: str) -> tuple[int, int]:
+def growth(bench: Bench, once: Callable[[], None], what: str) -> tuple[int, int]:
     """Do something `cycles` times, or as often as time allows; return by how many bytes it grew, and how often it was.
 
     A leak grows in both halves alike, a cache in the first half only: what counts is twice the lesser growth.
@@ -206,17 +211,18 @@ def _growth(bench: Bench, once: Callable[[], None], what: str) -> tuple[int, int
         bench.skip(f"memory over many {what}", "this system has no /proc")
         return 0, 0
     deadline = time.monotonic() + bench.job.patience
-    _repeat(once, min(_WARM_UP, bench.job.cycles), deadline)
-    resident, done = [_resident()], 0
+    repeat(once, min(WARM_UP, bench.job.cycles), deadline)
+    resident, done = [resident_bytes()], 0
     for _ in range(2):
-        done += _repeat(once, bench.job.cycles // 2, deadline)
-        resident.append(_resident())
+        done += repeat(once, bench.job.cycles // 2, deadline)
+        resident.append(resident_bytes())
     if done < bench.job.cycles:
         bench.skip(f"memory over {bench.job.cycles} {what}", f"slow: {done} were done in the time for that")
     return 2 * min(after - before for before, after in pairwise(resident)), done
 
 
-def _repeat(once: Callable[[], None], count: int, deadline: float) -> int:
+def repeat(once: Callable[[], None], count: int, deadline: float) -> int:
+    """Do something `count` times, or until the deadline; how often it was done."""
     for done in range(count):
         if time.monotonic() > deadline:
             return done
@@ -224,11 +230,13 @@ def _repeat(once: Callable[[], None], count: int, deadline: float) -> int:
     return count
 
 
-def _resident() -> int:
+def resident_bytes() -> int:
+    """The memory of this process."""
     gc.collect()
     return int(Path("/proc/self/statm").read_text().split()[1]) * mmap.PAGESIZE
 
 
-def _handles() -> int:
+def open_handles() -> int:
+    """How many files this process has open; 0 where the system does not tell."""
     folder = Path("/proc/self/fd")
     return len(list(folder.iterdir())) if folder.exists() else 0

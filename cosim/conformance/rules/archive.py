@@ -1,5 +1,4 @@
 """Section 2.3 (FMU distribution): the archive's layout, binaries, sources and documentation."""
-
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -19,10 +18,10 @@ PLATFORMS: dict[str, tuple[str, str, frozenset[str]]] = {
 }
 
 # Sections 2.1 and 4.2: what the header fmi2Functions.h exports for every FMU, and for co-simulation.
-_ALWAYS = """GetTypesPlatform GetVersion SetDebugLogging Instantiate FreeInstance SetupExperiment
+ALWAYS = """GetTypesPlatform GetVersion SetDebugLogging Instantiate FreeInstance SetupExperiment
     EnterInitializationMode ExitInitializationMode Terminate Reset GetReal GetInteger GetBoolean GetString SetReal
     SetInteger SetBoolean SetString DoStep GetStatus GetRealStatus GetIntegerStatus GetBooleanStatus GetStringStatus"""
-_BY_FLAG = {  # capability flag of 4.3.1 -> functions that are of use only if it is set
+BY_FLAG = {  # capability flag of 4.3.1 -> functions that are of use only if it is set
     "canGetAndSetFMUstate": "GetFMUstate SetFMUstate FreeFMUstate",
     "canSerializeFMUstate": "SerializedFMUstateSize SerializeFMUstate DeSerializeFMUstate",
     "providesDirectionalDerivative": "GetDirectionalDerivative",
@@ -31,20 +30,20 @@ _BY_FLAG = {  # capability flag of 4.3.1 -> functions that are of use only if it
     "canRunAsynchronuously": "CancelStep",
 }
 
-_KNOWN_ENTRIES = {
-    *("modelDescription.xml", "model.png", "binaries", "sources", "resources", "documentation"),
-    *("licenses", "extra", "terminalsAndIcons"),
-}
-_SOURCE_SUFFIXES = {".c", ".cc", ".cpp", ".cxx"}
+KNOWN_ENTRIES = {"modelDescription.xml", "model.png", "binaries", "sources", "resources", "documentation", "licenses",
+                 "extra", "terminalsAndIcons"}
+SOURCE_SUFFIXES = {".c", ".cc", ".cpp", ".cxx"}
 
 
-def _platform_folders(fmu: Fmu) -> list[Path]:
+def platform_folders(fmu: Fmu) -> list[Path]:
+    """The folders below binaries/."""
     folder = fmu.folder / "binaries"
     return sorted(path for path in folder.iterdir() if path.is_dir()) if folder.is_dir() else []
 
 
-def _has_sources(fmu: Fmu) -> bool:
-    return any(path.suffix.lower() in _SOURCE_SUFFIXES for path in (fmu.folder / "sources").glob("**/*"))
+def has_sources(fmu: Fmu) -> bool:
+    """Whether sources/ holds C or C++ files."""
+    return any(path.suffix.lower() in SOURCE_SUFFIXES for path in (fmu.folder / "sources").glob("**/*"))
 
 
 @static("archive.extension", "2.3", ERROR, "The file's name ends in .fmu.")
@@ -70,7 +69,7 @@ def unique_members(fmu: Fmu) -> Iterator[Fault]:
 @static("archive.entries", "2.3", NOTE, "The archive's root holds what section 2.3 names.")
 def entries(fmu: Fmu) -> Iterator[Fault]:
     tops = {name.replace("\\", "/").split("/")[0] for name in fmu.members}
-    for name in sorted(tops - _KNOWN_ENTRIES):
+    for name in sorted(tops - KNOWN_ENTRIES):
         yield Fault(name, "an entry that the specification does not name", "resources/ for whatever the FMU needs")
 
 
@@ -90,21 +89,21 @@ def documentation(fmu: Fmu) -> Iterator[Fault]:
 
 @static("binary.present", "2.3", ERROR, "There is a binary for at least one platform, or source code.")
 def binary_present(fmu: Fmu) -> Iterator[Fault]:
-    files = [path for folder in _platform_folders(fmu) for path in folder.iterdir()]
-    if not files and not _has_sources(fmu):
+    files = [path for folder in platform_folders(fmu) for path in folder.iterdir()]
+    if not files and not has_sources(fmu):
         yield Fault("binaries", "neither binaries nor sources", "a shared library, or sources to compile")
 
 
 @static("binary.platform", "2.3", NOTE, "Platform folders have the names of the specification.")
 def binary_platform(fmu: Fmu) -> Iterator[Fault]:
-    for folder in _platform_folders(fmu):
+    for folder in platform_folders(fmu):
         if folder.name not in PLATFORMS:
             yield Fault(f"binaries/{folder.name}", "a name that few tools look for", ", ".join(PLATFORMS))
 
 
 @static("binary.name", "2.3", ERROR, "The binary of a platform is named after modelIdentifier.")
 def binary_name(fmu: Fmu) -> Iterator[Fault]:
-    for folder in _platform_folders(fmu):
+    for folder in platform_folders(fmu):
         known = PLATFORMS.get(folder.name)
         there = sorted(path.name for path in folder.iterdir())
         if known and fmu.identifier and there and f"{fmu.identifier}{known[0]}" not in there:
@@ -112,8 +111,9 @@ def binary_name(fmu: Fmu) -> Iterator[Fault]:
             yield Fault(f"binaries/{folder.name}", f"only {', '.join(there[:3])}", expected)
 
 
-def _libraries(fmu: Fmu) -> Iterator[tuple[str, Library | BadBinary]]:
-    for folder in _platform_folders(fmu):
+def libraries(fmu: Fmu) -> Iterator[tuple[str, Library | BadBinary]]:
+    """(platform, the library or what is wrong with it) of each binary in its place."""
+    for folder in platform_folders(fmu):
         known = PLATFORMS.get(folder.name)
         file = folder / f"{fmu.identifier}{known[0] if known else ''}"
         if known and file.is_file():
@@ -125,31 +125,33 @@ def _libraries(fmu: Fmu) -> Iterator[tuple[str, Library | BadBinary]]:
 
 @static("binary.format", "2.3", ERROR, "A binary is a shared library for its folder's system and processor.")
 def binary_format(fmu: Fmu) -> Iterator[Fault]:
-    for platform, library in _libraries(fmu):
+    for platform, library in libraries(fmu):
         _, system, machines = PLATFORMS[platform]
         expected = f"a shared library for {system}, {' or '.join(sorted(machines))}"
         if isinstance(library, BadBinary):
             yield Fault(f"binaries/{platform}", f"not a usable library: {library}", expected)
         elif library.system != system or not library.machines & machines:
-            yield Fault(f"binaries/{platform}", f"a library for {_made_for(library)}", expected)
+            yield Fault(f"binaries/{platform}", f"a library for {made_for(library)}", expected)
 
 
-def _made_for(library: Library) -> str:
+def made_for(library: Library) -> str:
+    """System and processors of a library as text."""
     return f"{library.system}, {' and '.join(sorted(library.machines))}"
 
 
-def _functions(fmu: Fmu, claimed: bool) -> list[str]:
+def function_names(fmu: Fmu, claimed: bool) -> list[str]:
     """The functions that the FMU must export, or those that it need not have because of what it does not claim."""
-    names = _ALWAYS.split() if claimed else []
-    for flag, functions in _BY_FLAG.items():
+    names = ALWAYS.split() if claimed else []
+    for flag, functions in BY_FLAG.items():
         is_claimed = (fmu.description.co_simulation or {}).get(flag, "false").strip() not in ("false", "0")
         if is_claimed == claimed:
             names += functions.split()
     return [f"fmi2{name}" for name in names]
 
 
-def _not_exported(fmu: Fmu, functions: list[str]) -> Iterator[Fault]:
-    for platform, library in _libraries(fmu):
+def not_exported(fmu: Fmu, functions: list[str]) -> Iterator[Fault]:
+    """A fault for each library that lacks some of `functions`."""
+    for platform, library in libraries(fmu):
         if isinstance(library, BadBinary) or fmu.description.co_simulation is None:
             continue
         missing = [name for name in functions if name not in library.exports]
@@ -162,12 +164,12 @@ def _not_exported(fmu: Fmu, functions: list[str]) -> Iterator[Fault]:
 
 @static("binary.exports", "4.2", ERROR, "A binary exports every function that co-simulation and its claims need.")
 def binary_exports(fmu: Fmu) -> Iterator[Fault]:
-    yield from _not_exported(fmu, _functions(fmu, claimed=True))
+    yield from not_exported(fmu, function_names(fmu, claimed=True))
 
 
 @static("binary.exports-all", "4.2", WARNING, "A binary also exports the functions of what it does not claim.")
 def binary_exports_all(fmu: Fmu) -> Iterator[Fault]:
-    yield from _not_exported(fmu, _functions(fmu, claimed=False))
+    yield from not_exported(fmu, function_names(fmu, claimed=False))
 
 
 @static("source.listed", "4.3.1", ERROR, "Every file of SourceFiles is in sources/.")
@@ -180,5 +182,5 @@ def source_listed(fmu: Fmu) -> Iterator[Fault]:
 
 @static("source.list", "4.3.1", NOTE, "Source code comes with a list of the files to compile.")
 def source_list(fmu: Fmu) -> Iterator[Fault]:
-    if _has_sources(fmu) and fmu.description.root.find("*/SourceFiles/File") is None:
+    if has_sources(fmu) and fmu.description.root.find("*/SourceFiles/File") is None:
         yield Fault("sources", "source files without SourceFiles in modelDescription.xml", "<SourceFiles>")

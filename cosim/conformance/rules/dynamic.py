@@ -1,5 +1,4 @@
 """The rules that need the FMU to run, as data; the probes (`probes`) find what breaks them."""
-
 from ..rule import ERROR, NOTE, WARNING, declare
 
 DYNAMIC_RULES = tuple(

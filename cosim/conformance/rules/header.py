@@ -1,5 +1,4 @@
 """Sections 2.2 (the XML file), 2.2.1 (fmiModelDescription), 2.2.4 to 2.2.6 and 4.3.1 (CoSimulation)."""
-
 import re
 from collections.abc import Iterator
 from datetime import UTC, datetime, timedelta
@@ -9,21 +8,12 @@ from ..repeats import repeated
 from ..rule import ERROR, NOTE, WARNING, static
 from ..subject import Fault, Fmu
 
-_STANDARD_CATEGORIES = (
-    "logEvents",
-    "logSingularLinearSystems",
-    "logNonlinearSystems",
-    "logDynamicStateSelection",
-    "logStatusWarning",
-    "logStatusDiscard",
-    "logStatusError",
-    "logStatusFatal",
-    "logStatusPending",
-    "logAll",
-)
-_C_KEYWORDS = """auto break case char const continue default do double else enum extern float for goto if inline int
+STANDARD_CATEGORIES = ("logEvents", "logSingularLinearSystems", "logNonlinearSystems", "logDynamicStateSelection",
+                       "logStatusWarning", "logStatusDiscard", "logStatusError", "logStatusFatal", "logStatusPending",
+                       "logAll")
+C_KEYWORDS = """auto break case char const continue default do double else enum extern float for goto if inline int
     long register restrict return short signed sizeof static struct switch typedef union unsigned void volatile while"""
-_DATE = "%Y-%m-%dT%H:%M:%SZ"
+DATE = "%Y-%m-%dT%H:%M:%SZ"
 
 
 @static("xml.encoding", "2.2", ERROR, "modelDescription.xml is encoded in UTF-8.")
@@ -38,7 +28,8 @@ def encoding_declared(fmu: Fmu) -> Iterator[Fault]:
         yield Fault("modelDescription.xml", "no encoding in the first line", '<?xml version="1.0" encoding="UTF-8"?>')
 
 
-def _not_finite(fmu: Fmu, names: set[str]) -> Iterator[Fault]:
+def not_finite(fmu: Fmu, names: set[str]) -> Iterator[Fault]:
+    """A fault for each attribute in `names` that is NaN or infinite."""
     for element in fmu.description.root.iter("Real", "BaseUnit", "DisplayUnit", "DefaultExperiment"):
         for name in sorted(names & {str(key) for key in element.attrib}):
             text = str(element.get(name)).strip()
@@ -49,13 +40,13 @@ def _not_finite(fmu: Fmu, names: set[str]) -> Iterator[Fault]:
 
 @static("xml.finite", "2.2", ERROR, "No value of a variable is NaN or infinite.")
 def finite(fmu: Fmu) -> Iterator[Fault]:
-    yield from _not_finite(fmu, {"start"})
+    yield from not_finite(fmu, {"start"})
 
 
 @static("xml.finite-attribute", "2.2", WARNING, "No other attribute is NaN or infinite (absent means unlimited).")
 def finite_attribute(fmu: Fmu) -> Iterator[Fault]:
     names = {"min", "max", "nominal", "factor", "offset", "startTime", "stopTime", "tolerance", "stepSize"}
-    yield from _not_finite(fmu, names)
+    yield from not_finite(fmu, names)
 
 
 @static("header.interface", "2.2.1", ERROR, "At least one of ModelExchange and CoSimulation is present.")
@@ -79,21 +70,22 @@ def model_name(fmu: Fmu) -> Iterator[Fault]:
 @static("header.date", "2.2.1", WARNING, "generationDateAndTime has the form YYYY-MM-DDThh:mm:ssZ.")
 def date(fmu: Fmu) -> Iterator[Fault]:
     text = fmu.description.attributes.get("generationDateAndTime")
-    if text is not None and _parsed(text) is None:
+    if text is not None and parsed_date(text) is None:
         yield Fault("generationDateAndTime", f"'{text}'", "YYYY-MM-DDThh:mm:ssZ, as in '2009-12-08T14:33:22Z'")
 
 
 @static("header.date-past", "2.2.1", NOTE, "generationDateAndTime lies in the past.")
 def date_past(fmu: Fmu) -> Iterator[Fault]:
     text = fmu.description.attributes.get("generationDateAndTime", "")
-    when = _parsed(text)
+    when = parsed_date(text)
     if when is not None and when > datetime.now(UTC) + timedelta(days=1):
         yield Fault("generationDateAndTime", f"'{text}'", "a time in the past")
 
 
-def _parsed(text: str) -> datetime | None:
+def parsed_date(text: str) -> datetime | None:
+    """The date in the standard's form, or None."""
     try:
-        return datetime.strptime(text.strip(), _DATE).replace(tzinfo=UTC)
+        return datetime.strptime(text.strip(), DATE).replace(tzinfo=UTC)
     except ValueError:
         return None
 
@@ -109,7 +101,7 @@ def event_indicators(fmu: Fmu) -> Iterator[Fault]:
 def model_identifier(fmu: Fmu) -> Iterator[Fault]:
     for interface_attributes in (fmu.description.co_simulation, fmu.description.model_exchange):
         name = (interface_attributes or {}).get("modelIdentifier")
-        if name is not None and (not re.fullmatch(r"[A-Za-z_][A-Za-z_0-9]*", name) or name in _C_KEYWORDS.split()):
+        if name is not None and (not re.fullmatch(r"[A-Za-z_][A-Za-z_0-9]*", name) or name in C_KEYWORDS.split()):
             yield Fault("modelIdentifier", f"'{name}'", "letters, digits and '_', not beginning with a digit")
             return
 
@@ -129,52 +121,54 @@ def interpolate_needs_input(fmu: Fmu) -> Iterator[Fault]:
 
 @static("log.unique", "2.2.4", ERROR, "Names of log categories are unique.")
 def log_unique(fmu: Fmu) -> Iterator[Fault]:
-    for name, count in repeated(_categories(fmu)):
+    for name, count in repeated(categories(fmu)):
         yield Fault(name, f"{count} categories of this name", "one")
 
 
 @static("log.standard-name", "2.2.4", WARNING, "Standard log categories are spelled as in the standard.")
 def log_standard_name(fmu: Fmu) -> Iterator[Fault]:
-    standard = {name.lower(): name for name in _STANDARD_CATEGORIES}
-    for name in _categories(fmu):
+    standard = {name.lower(): name for name in STANDARD_CATEGORIES}
+    for name in categories(fmu):
         meant = standard.get(name.lower())
         if meant is not None and meant != name:
             yield Fault(name, f"'{name}'", f"'{meant}'")
 
 
-def _categories(fmu: Fmu) -> list[str]:
+def categories(fmu: Fmu) -> list[str]:
+    """The names of the log categories."""
     return [category.get("name", "") for category in fmu.description.root.iterfind("LogCategories/Category")]
 
 
-def _experiment(fmu: Fmu, attribute: str) -> float | None:
+def experiment(fmu: Fmu, attribute: str) -> float | None:
+    """A number of the default experiment, or None."""
     element = fmu.description.root.find("DefaultExperiment")
     return None if element is None else number(element.get(attribute))
 
 
 @static("experiment.stop", "2.2.5", ERROR, "The default stop time is not before the default start time.")
 def experiment_stop(fmu: Fmu) -> Iterator[Fault]:
-    start, stop = _experiment(fmu, "startTime"), _experiment(fmu, "stopTime")
+    start, stop = experiment(fmu, "startTime"), experiment(fmu, "stopTime")
     if start is not None and stop is not None and stop < start:
         yield Fault("stopTime", f"{stop:g} with startTime {start:g}", "stopTime >= startTime")
 
 
 @static("experiment.tolerance", "2.2.5", ERROR, "The default tolerance is not negative.")
 def experiment_tolerance(fmu: Fmu) -> Iterator[Fault]:
-    tolerance = _experiment(fmu, "tolerance")
+    tolerance = experiment(fmu, "tolerance")
     if tolerance is not None and tolerance < 0:
         yield Fault("tolerance", f"{tolerance:g}", "a value above 0")
 
 
 @static("experiment.step", "2.2.5", ERROR, "The preferred communication step size is above zero.")
 def experiment_step(fmu: Fmu) -> Iterator[Fault]:
-    step = _experiment(fmu, "stepSize")
+    step = experiment(fmu, "stepSize")
     if step is not None and step <= 0:
         yield Fault("stepSize", f"{step:g}", "a value above 0")
 
 
 @static("experiment.step-fits", "2.2.5", WARNING, "The preferred communication step is not longer than the experiment.")
 def experiment_step_fits(fmu: Fmu) -> Iterator[Fault]:
-    start, stop, step = (_experiment(fmu, name) for name in ("startTime", "stopTime", "stepSize"))
+    start, stop, step = (experiment(fmu, name) for name in ("startTime", "stopTime", "stepSize"))
     length = None if stop is None else stop - (start or 0.0)
     if step is not None and length is not None and 0 < length < step:
         yield Fault("stepSize", f"{step:g} in an experiment of {length:g} s", "a step that fits in")

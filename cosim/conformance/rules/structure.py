@@ -1,5 +1,4 @@
 """Section 2.2.8 (ModelStructure): outputs, derivatives, initial unknowns and what they depend on."""
-
 from collections.abc import Iterator
 from itertools import pairwise
 
@@ -9,7 +8,8 @@ from ..rule import ERROR, NOTE, WARNING, static
 from ..subject import Fault, Fmu
 
 
-def _named(fmu: Fmu, tag: str, unknown: Unknown) -> str:
+def entry_name(fmu: Fmu, tag: str, unknown: Unknown) -> str:
+    """An entry of ModelStructure as messages call it."""
     variable = fmu.description.variable(unknown.index)
     return f"{tag}: {variable.name if variable else unknown.index}"
 
@@ -61,21 +61,17 @@ def state(fmu: Fmu) -> Iterator[Fault]:
             yield Fault(variable.name, f"a state of causality {variable.causality}", "causality local or output")
 
 
-def _initial_unknowns(fmu: Fmu) -> list[Variable]:
+def unknowns_to_list(fmu: Fmu) -> list[Variable]:
     """What InitialUnknowns must list (2.2.8): outputs, calculated parameters, states and derivatives, unless exact."""
     of_states = fmu.description.states | {unknown.index for unknown in fmu.description.derivatives}
-    return [
-        v
-        for v in fmu.description.variables
-        if v.causality == "calculatedParameter"
-        or (v.initial in ("approx", "calculated") and (v.causality == "output" or v.index in of_states))
-    ]
+    return [v for v in fmu.description.variables if v.causality == "calculatedParameter"
+            or (v.initial in ("approx", "calculated") and (v.causality == "output" or v.index in of_states))]
 
 
 @static("structure.initial-complete", "2.2.8", ERROR, "InitialUnknowns lists every unknown of the initialization.")
 def initial_complete(fmu: Fmu) -> Iterator[Fault]:
     listed = {unknown.index for unknown in fmu.description.initial_unknowns}
-    for v in _initial_unknowns(fmu):
+    for v in unknowns_to_list(fmu):
         if v.index not in listed:
             expected = f'<Unknown index="{v.index}"/> in InitialUnknowns'
             yield Fault(v.name, f"{v.causality}, initial '{v.initial}', not in InitialUnknowns", expected)
@@ -83,7 +79,7 @@ def initial_complete(fmu: Fmu) -> Iterator[Fault]:
 
 @static("structure.initial-only", "2.2.8", ERROR, "InitialUnknowns lists nothing but unknowns of the initialization.")
 def initial_only(fmu: Fmu) -> Iterator[Fault]:
-    allowed = {v.index for v in _initial_unknowns(fmu)}
+    allowed = {v.index for v in unknowns_to_list(fmu)}
     for unknown in fmu.description.initial_unknowns:
         variable = fmu.description.variable(unknown.index)
         if variable is not None and variable.index not in allowed:
@@ -106,7 +102,7 @@ def dependency_index(fmu: Fmu) -> Iterator[Fault]:
         for number in unknown.dependencies or []:
             if fmu.description.variable(number) is None:
                 limit = len(fmu.description.variables)
-                yield Fault(_named(fmu, tag, unknown), f"dependency {number}", f"an index from 1 to {limit}")
+                yield Fault(entry_name(fmu, tag, unknown), f"dependency {number}", f"an index from 1 to {limit}")
 
 
 @static("dependency.order", "2.2.8", ERROR, "Dependencies are ordered by index.")
@@ -114,14 +110,14 @@ def dependency_order(fmu: Fmu) -> Iterator[Fault]:
     for tag, unknown in fmu.description.structure:
         if any(first > second for first, second in pairwise(unknown.dependencies or [])):
             found = " ".join(map(str, unknown.dependencies or []))
-            yield Fault(_named(fmu, tag, unknown), f"dependencies '{found}'", "increasing indices")
+            yield Fault(entry_name(fmu, tag, unknown), f"dependencies '{found}'", "increasing indices")
 
 
 @static("dependency.unique", "2.2.8", ERROR, "No dependency is listed twice.")
 def dependency_unique(fmu: Fmu) -> Iterator[Fault]:
     for tag, unknown in fmu.description.structure:
         for number, count in repeated(unknown.dependencies or []):
-            yield Fault(_named(fmu, tag, unknown), f"dependency {number} listed {count} times", "once")
+            yield Fault(entry_name(fmu, tag, unknown), f"dependency {number} listed {count} times", "once")
 
 
 @static("dependency.kind-count", "2.2.8", ERROR, "dependenciesKind comes with dependencies and has as many entries.")
@@ -130,17 +126,18 @@ def kind_count(fmu: Fmu) -> Iterator[Fault]:
         if unknown.kinds is None:
             continue
         if unknown.dependencies is None:
-            yield Fault(_named(fmu, tag, unknown), "dependenciesKind without dependencies", "both, or neither")
+            yield Fault(entry_name(fmu, tag, unknown), "dependenciesKind without dependencies", "both, or neither")
         elif len(unknown.kinds) != len(unknown.dependencies):
             found = f"{len(unknown.kinds)} kinds for {len(unknown.dependencies)} dependencies"
-            yield Fault(_named(fmu, tag, unknown), found, "one kind for each dependency")
+            yield Fault(entry_name(fmu, tag, unknown), found, "one kind for each dependency")
 
 
 @static("dependency.initial-kind", "2.2.8", ERROR, "In InitialUnknowns a dependency is `dependent` or `constant`.")
 def initial_kind(fmu: Fmu) -> Iterator[Fault]:
     for unknown in fmu.description.initial_unknowns:
         for kind in sorted({"fixed", "tunable", "discrete"} & set(unknown.kinds or [])):
-            yield Fault(_named(fmu, "InitialUnknowns", unknown), f"dependenciesKind '{kind}'", "dependent or constant")
+            name = entry_name(fmu, "InitialUnknowns", unknown)
+            yield Fault(name, f"dependenciesKind '{kind}'", "dependent or constant")
 
 
 @static("dependency.kind-real", "2.2.8", ERROR, "Only dependencies of Reals on Reals have a factor.")
@@ -153,10 +150,11 @@ def kind_real(fmu: Fmu) -> Iterator[Fault]:
                 continue
             if (target.kind, known.kind) != ("Real", "Real"):
                 found = f"'{kind}' dependency of a {target.kind} on '{known.name}', a {known.kind}"
-                yield Fault(_named(fmu, tag, unknown), found, "kind 'dependent'")
+                yield Fault(entry_name(fmu, tag, unknown), found, "kind 'dependent'")
 
 
-def _is_known(fmu: Fmu, v: Variable, tag: str) -> bool:
+def is_known(fmu: Fmu, v: Variable, tag: str) -> bool:
+    """Whether an entry of the list `tag` may depend on the variable."""
     if v.causality in ("input", "independent") or v.index in fmu.description.states:
         return True
     if v.causality not in CAUSALITIES:
@@ -171,9 +169,9 @@ def dependency_known(fmu: Fmu) -> Iterator[Fault]:
     for tag, unknown in fmu.description.structure:
         for number in unknown.dependencies or []:
             v = fmu.description.variable(number)
-            if v is not None and not _is_known(fmu, v, tag):
+            if v is not None and not is_known(fmu, v, tag):
                 found = f"depends on '{v.name}', a {v.variability} {v.causality}"
-                yield Fault(_named(fmu, tag, unknown), found, "inputs, states, time (initially also what is exact)")
+                yield Fault(entry_name(fmu, tag, unknown), found, "inputs, states, time (initially also what is exact)")
 
 
 @static("dependency.missing", "2.2.8", NOTE, "Outputs say what they depend on (else a master assumes all inputs).")
@@ -182,4 +180,4 @@ def dependency_missing(fmu: Fmu) -> Iterator[Fault]:
     unsaid = [u for u in fmu.description.outputs if u.dependencies is None and u.kinds is None]
     if has_inputs and unsaid:
         found = f"{len(unsaid)} outputs without dependencies: a master must assume that they feed through every input"
-        yield Fault(_named(fmu, "Outputs", unsaid[0]), found, "dependencies, empty where an output has none")
+        yield Fault(entry_name(fmu, "Outputs", unsaid[0]), found, "dependencies, empty where an output has none")

@@ -1,5 +1,4 @@
 """Sections 2.2.2 (units, display units) and 2.2.3 (type definitions)."""
-
 from collections.abc import Iterator
 
 from lxml import etree
@@ -9,10 +8,10 @@ from ..repeats import repeated
 from ..rule import ERROR, NOTE, WARNING, static
 from ..subject import Fault, Fmu
 
-_EXPONENTS = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
+EXPONENTS = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 
-# SI names that nobody means otherwise: name -> exponents of (kg, m, s, A, K, mol, cd, rad) and the factor.
-_WELL_KNOWN: dict[str, tuple[tuple[int, ...], float]] = {
+# Names with one meaning only: name -> exponents of (kg, m, s, A, K, mol, cd, rad) and the factor.
+WELL_KNOWN: dict[str, tuple[tuple[int, ...], float]] = {
     "kg": ((1, 0, 0, 0, 0, 0, 0, 0), 1.0),
     "m": ((0, 1, 0, 0, 0, 0, 0, 0), 1.0),
     "s": ((0, 0, 1, 0, 0, 0, 0, 0), 1.0),
@@ -36,16 +35,18 @@ _WELL_KNOWN: dict[str, tuple[tuple[int, ...], float]] = {
 }
 
 
-def _units(fmu: Fmu) -> list[etree._Element]:
+def unit_elements(fmu: Fmu) -> list[etree._Element]:
+    """The Unit elements."""
     return fmu.description.root.findall("UnitDefinitions/Unit")
 
 
-def _unit_names(fmu: Fmu) -> set[str]:
-    return {unit.get("name", "") for unit in _units(fmu)}
+def unit_names(fmu: Fmu) -> set[str]:
+    """The names of the units that are defined."""
+    return {unit.get("name", "") for unit in unit_elements(fmu)}
 
 
-def _carriers(fmu: Fmu) -> Iterator[tuple[str, str | None, str | None]]:
-    """Whatever may carry a unit, Real types and Real variables: (name, unit, display unit), inherited ones resolved."""
+def unit_carriers(fmu: Fmu) -> Iterator[tuple[str, str | None, str | None]]:
+    """(name, unit, display unit) of Real types, and of Real variables that have a unit or display unit of their own."""
     for declared in fmu.description.types:
         if declared.kind == "Real":
             yield f"type {declared.name}", declared.attributes.get("unit"), declared.attributes.get("displayUnit")
@@ -56,20 +57,20 @@ def _carriers(fmu: Fmu) -> Iterator[tuple[str, str | None, str | None]]:
 
 @static("unit.unique", "2.2.2", ERROR, "Unit names are unique.")
 def unit_unique(fmu: Fmu) -> Iterator[Fault]:
-    for name, count in repeated(unit.get("name", "") for unit in _units(fmu)):
+    for name, count in repeated(unit.get("name", "") for unit in unit_elements(fmu)):
         yield Fault(name, f"{count} units of this name", "one")
 
 
 @static("unit.display-unique", "2.2.2", ERROR, "Display unit names are unique within their unit.")
 def display_unique(fmu: Fmu) -> Iterator[Fault]:
-    for unit in _units(fmu):
+    for unit in unit_elements(fmu):
         for name, count in repeated(display.get("name", "") for display in unit.findall("DisplayUnit")):
             yield Fault(f"{unit.get('name')}: {name}", f"{count} display units of this name", "one")
 
 
 @static("unit.base-factor", "2.2.2", ERROR, "The factor to the base unit is not zero.")
 def base_factor(fmu: Fmu) -> Iterator[Fault]:
-    for unit in _units(fmu):
+    for unit in unit_elements(fmu):
         for base in unit.findall("BaseUnit"):
             if number(base.get("factor", "1")) == 0:
                 yield Fault(unit.get("name", ""), "BaseUnit factor 0", "a factor that can be inverted")
@@ -77,7 +78,7 @@ def base_factor(fmu: Fmu) -> Iterator[Fault]:
 
 @static("unit.display-factor", "2.2.2", ERROR, "The factor to a display unit is not zero.")
 def display_factor(fmu: Fmu) -> Iterator[Fault]:
-    for unit in _units(fmu):
+    for unit in unit_elements(fmu):
         for display in unit.findall("DisplayUnit"):
             if number(display.get("factor", "1")) == 0:
                 yield Fault(f"{unit.get('name')}: {display.get('name')}", "factor 0", "a factor that can be inverted")
@@ -85,7 +86,7 @@ def display_factor(fmu: Fmu) -> Iterator[Fault]:
 
 @static("unit.display-is-unit", "2.2.2", WARNING, "A display unit that has its unit's own name converts nothing.")
 def display_is_unit(fmu: Fmu) -> Iterator[Fault]:
-    for unit in _units(fmu):
+    for unit in unit_elements(fmu):
         for display in unit.findall("DisplayUnit"):
             factor, offset = number(display.get("factor", "1")), number(display.get("offset", "0"))
             if display.get("name") == unit.get("name") and factor != 0 and (factor, offset) != (1, 0):
@@ -94,69 +95,69 @@ def display_is_unit(fmu: Fmu) -> Iterator[Fault]:
 
 @static("unit.known-name", "2.2.2", WARNING, "A unit with a well-known name has the base unit which that name implies.")
 def known_name(fmu: Fmu) -> Iterator[Fault]:
-    for unit in _units(fmu):
-        base, known = unit.find("BaseUnit"), _WELL_KNOWN.get(unit.get("name", ""))
+    for unit in unit_elements(fmu):
+        base, known = unit.find("BaseUnit"), WELL_KNOWN.get(unit.get("name", ""))
         factor = number(base.get("factor", "1")) if base is not None else None
         if base is None or known is None or not factor:
             continue
-        exponents = tuple(integer(base.get(name, "0")) for name in _EXPONENTS)
+        exponents = tuple(integer(base.get(name, "0")) for name in EXPONENTS)
         if exponents != known[0] or abs(factor - known[1]) > 1e-4 * known[1]:
-            yield Fault(unit.get("name", ""), _spelled(exponents, factor), _spelled(known[0], known[1]))
+            yield Fault(unit.get("name", ""), spelled(exponents, factor), spelled(known[0], known[1]))
 
 
-def _spelled(exponents: tuple[int | None, ...], factor: float) -> str:
-    parts = [f"{name}{power}" for name, power in zip(_EXPONENTS, exponents, strict=True) if power]
+def spelled(exponents: tuple[int | None, ...], factor: float) -> str:
+    """A base unit as text, such as 0.3048 m1."""
+    parts = [f"{name}{power}" for name, power in zip(EXPONENTS, exponents, strict=True) if power]
     return f"{factor:g} " + (" ".join(parts) or "1")
 
 
 @static("unit.defined", "2.2.2", ERROR, "Every unit that is used is defined in UnitDefinitions.")
 def unit_defined(fmu: Fmu) -> Iterator[Fault]:
-    for name, unit, _ in _carriers(fmu):
-        if unit is not None and unit not in _unit_names(fmu):
+    for name, unit, _ in unit_carriers(fmu):
+        if unit is not None and unit not in unit_names(fmu):
             yield Fault(name, f"unit '{unit}' is not defined", "a Unit of this name in UnitDefinitions")
 
 
 @static("unit.display-needs-unit", "2.2.3", ERROR, "A display unit is only given together with a unit.")
 def display_needs_unit(fmu: Fmu) -> Iterator[Fault]:
-    for name, unit, display in _carriers(fmu):
+    for name, unit, display in unit_carriers(fmu):
         if display is not None and unit is None:
             yield Fault(name, f"displayUnit '{display}' without unit", "a unit, or no displayUnit")
 
 
 @static("unit.display-defined", "2.2.3", WARNING, "A display unit is defined with its unit (otherwise it is ignored).")
 def display_defined(fmu: Fmu) -> Iterator[Fault]:
-    known = {u.get("name", ""): {d.get("name") for d in u.findall("DisplayUnit")} for u in _units(fmu)}
-    for name, unit, display in _carriers(fmu):
+    known = {u.get("name", ""): {d.get("name") for d in u.findall("DisplayUnit")} for u in unit_elements(fmu)}
+    for name, unit, display in unit_carriers(fmu):
         if display is not None and unit in known and display not in known[unit] | {unit}:
             yield Fault(name, f"displayUnit '{display}' is not defined for '{unit}'", "a DisplayUnit of this name")
 
 
 @static("unit.unused", "2.2.2", NOTE, "Every unit that is defined is used.")
 def unit_unused(fmu: Fmu) -> Iterator[Fault]:
-    used = {v.resolved("unit") for v in fmu.description.variables} | {
-        declared.attributes.get("unit") for declared in fmu.description.types
-    }
-    for name in sorted(_unit_names(fmu) - {unit for unit in used if unit is not None}):
+    used = {v.resolved("unit") for v in fmu.description.variables}
+    used |= {declared.attributes.get("unit") for declared in fmu.description.types}
+    for name in sorted(unit_names(fmu) - {unit for unit in used if unit is not None}):
         yield Fault(name, "used by no type and no variable", "a use, or no definition")
 
 
 @static("unit.derivative", "2.2.2", WARNING, "A derivative has the unit of its variable per second.")
 def derivative_unit(fmu: Fmu) -> Iterator[Fault]:
-    bases = {unit.get("name", ""): unit.find("BaseUnit") for unit in _units(fmu)}
+    bases = {unit.get("name", ""): unit.find("BaseUnit") for unit in unit_elements(fmu)}
     for rate in fmu.description.variables:
         of = fmu.description.variable(rate.derivative)
         units = [bases.get(v.resolved("unit") or "") for v in (rate, of) if v is not None]
         if of is None or any(base is None for base in units):
             continue
-        of_rate, of_value = (_si_exponents(base) for base in units if base is not None)
-        of_value[_EXPONENTS.index("s")] -= 1
+        of_rate, of_value = (si_exponents(base) for base in units if base is not None)
+        of_value[EXPONENTS.index("s")] -= 1
         if of_rate != of_value:
             yield Fault(rate.name, f"unit '{rate.resolved('unit')}'", f"that of '{of.name}' per second")
 
 
-def _si_exponents(base: etree._Element) -> list[int]:
-    """Without rad, which may come and go in a derivative."""
-    return [integer(base.get(name, "0")) or 0 for name in _EXPONENTS[:7]]
+def si_exponents(base: etree._Element) -> list[int]:
+    """The exponents of a BaseUnit without rad, by which a derivative may differ."""
+    return [integer(base.get(name, "0")) or 0 for name in EXPONENTS[:7]]
 
 
 @static("type.unique", "2.2.3", ERROR, "Type names are unique.")
@@ -209,14 +210,15 @@ def type_unused(fmu: Fmu) -> Iterator[Fault]:
             yield Fault(declared.name, "used by no variable", "a use, or no definition")
 
 
-def _ranged(fmu: Fmu) -> Iterator[tuple[str, Variable | SimpleType]]:
+def ranged(fmu: Fmu) -> Iterator[tuple[str, Variable | SimpleType]]:
+    """Types and variables with their names in messages."""
     yield from ((f"type {declared.name}", declared) for declared in fmu.description.types)
     yield from ((v.name, v) for v in fmu.description.variables)
 
 
 @static("range.min-max", "2.2.3", ERROR, "min is not above max.")
 def min_max(fmu: Fmu) -> Iterator[Fault]:
-    for name, item in _ranged(fmu):
+    for name, item in ranged(fmu):
         if isinstance(item, Variable) and not {"min", "max"} & item.own.keys():
             continue  # what is inherited is the type's fault
         get = item.resolved if isinstance(item, Variable) else item.attributes.get
@@ -227,7 +229,7 @@ def min_max(fmu: Fmu) -> Iterator[Fault]:
 
 @static("range.nominal", "2.2.3", ERROR, "nominal is above zero.")
 def nominal(fmu: Fmu) -> Iterator[Fault]:
-    for name, item in _ranged(fmu):
+    for name, item in ranged(fmu):
         attributes = item.own if isinstance(item, Variable) else item.attributes
         value = number(attributes.get("nominal"))
         if value is not None and value <= 0:

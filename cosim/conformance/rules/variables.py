@@ -1,5 +1,4 @@
 """Sections 2.2.7 (ScalarVariables) and 2.2.9 (variable naming conventions)."""
-
 import re
 from collections import defaultdict
 from collections.abc import Iterator
@@ -10,10 +9,10 @@ from ..rule import ERROR, WARNING, static
 from ..subject import Fault, Fmu
 
 # Section 2.2.9, the grammar of "structured" names. The specification's escapes are \' \" \? \\ \a \b \f \n \r \t \v.
-_B_NAME = r"""(?:[A-Za-z_][A-Za-z_0-9]*|'(?:[A-Za-z0-9_!#$%&()*+,\-./:;<>=?@\[\]^{}|~ ]|\\['"?\\abfnrtv])+')"""
-_PART = rf"{_B_NAME}(?:\[\d+(?:,\d+)*\])?"
-_IDENTIFIER = rf"{_PART}(?:\.{_PART})*"
-_STRUCTURED = re.compile(rf"{_IDENTIFIER}|der\({_IDENTIFIER}(?:,\d+)?\)")
+B_NAME = r"""(?:[A-Za-z_][A-Za-z_0-9]*|'(?:[A-Za-z0-9_!#$%&()*+,\-./:;<>=?@\[\]^{}|~ ]|\\['"?\\abfnrtv])+')"""
+PART = rf"{B_NAME}(?:\[\d+(?:,\d+)*\])?"
+IDENTIFIER = rf"{PART}(?:\.{PART})*"
+STRUCTURED = re.compile(rf"{IDENTIFIER}|der\({IDENTIFIER}(?:,\d+)?\)")
 
 
 @static("variable.unique", "2.2.7", ERROR, "Variable names are unique.")
@@ -32,25 +31,26 @@ def named(fmu: Fmu) -> Iterator[Fault]:
 @static("variable.name-spaces", "2.2.9", WARNING, "A name neither begins nor ends with a space.")
 def name_spaces(fmu: Fmu) -> Iterator[Fault]:
     for v in fmu.description.variables:
-        if _is_flat(fmu) and v.name != v.name.strip(" "):
+        if is_flat(fmu) and v.name != v.name.strip(" "):
             yield Fault(v.name, f"'{v.name}'", f"'{v.name.strip()}'")
 
 
 @static("variable.flat-name", "2.2.9", ERROR, "A flat name holds no tab, line feed or carriage return.")
 def flat_name(fmu: Fmu) -> Iterator[Fault]:
     for v in fmu.description.variables:
-        if _is_flat(fmu) and re.search(r"[\t\n\r]", v.name):
+        if is_flat(fmu) and re.search(r"[\t\n\r]", v.name):
             yield Fault(v.name, repr(v.name), "a name without tab, line feed and carriage return")
 
 
 @static("variable.structured-name", "2.2.9", ERROR, "Names follow the grammar of structured names if declared.")
 def structured_name(fmu: Fmu) -> Iterator[Fault]:
     for v in fmu.description.variables:
-        if not _is_flat(fmu) and v.name and not _STRUCTURED.fullmatch(v.name):
+        if not is_flat(fmu) and v.name and not STRUCTURED.fullmatch(v.name):
             yield Fault(v.name, f"'{v.name}'", "a structured name such as a.b[3].c or der(a.b)")
 
 
-def _is_flat(fmu: Fmu) -> bool:
+def is_flat(fmu: Fmu) -> bool:
+    """Whether names are flat, not structured."""
     return fmu.description.attributes.get("variableNamingConvention", "flat") != "structured"
 
 
@@ -82,8 +82,8 @@ def initial(fmu: Fmu) -> Iterator[Fault]:
             yield Fault(v.name, f"initial '{given}' of a {v.variability} {v.causality}", expected)
 
 
-def _wants_start(v: Variable) -> bool | None:
-    """Whether a start value must (True), must not (False) be given; None when the attributes contradict each other."""
+def wants_start(v: Variable) -> bool | None:
+    """Whether a start value must (True) or must not (False) be given; None if the attributes contradict each other."""
     allowed = INITIAL.get((v.variability, v.causality))
     given = v.attributes.get("initial")
     if allowed is None or (given is not None and given not in allowed):
@@ -94,7 +94,7 @@ def _wants_start(v: Variable) -> bool | None:
 @static("variable.start-missing", "2.2.7", ERROR, "A start value where initial is exact or approx, or to an input.")
 def start_missing(fmu: Fmu) -> Iterator[Fault]:
     for v in fmu.description.variables:
-        if v.kind and v.start is None and _wants_start(v) is True:
+        if v.kind and v.start is None and wants_start(v) is True:
             why = "an input" if v.causality == "input" else f"initial '{v.initial}'"
             yield Fault(v.name, "no start value", f"a start value ({why})")
 
@@ -102,7 +102,7 @@ def start_missing(fmu: Fmu) -> Iterator[Fault]:
 @static("variable.start-forbidden", "2.2.7", ERROR, "No start value where initial is calculated, or to time.")
 def start_forbidden(fmu: Fmu) -> Iterator[Fault]:
     for v in fmu.description.variables:
-        if v.start is not None and _wants_start(v) is False:
+        if v.start is not None and wants_start(v) is False:
             why = "independent" if v.causality == "independent" else "initial 'calculated'"
             yield Fault(v.name, f"start '{v.start}'", f"no start value ({why})")
 
@@ -176,7 +176,7 @@ def multiple_set(fmu: Fmu) -> Iterator[Fault]:
             yield Fault(v.name, "canHandleMultipleSetPerTimeInstant", "no such attribute (for ModelExchange only)")
 
 
-def _alias_sets(fmu: Fmu) -> Iterator[list[Variable]]:
+def alias_sets(fmu: Fmu) -> Iterator[list[Variable]]:
     """Variables of one base type and one value reference: they share their value."""
     sets: dict[tuple[str, int | None], list[Variable]] = defaultdict(list)
     for v in fmu.description.variables:
@@ -184,33 +184,36 @@ def _alias_sets(fmu: Fmu) -> Iterator[list[Variable]]:
     yield from (variables for variables in sets.values() if len(variables) > 1)
 
 
-def _names(variables: list[Variable]) -> str:
+def quoted_names(variables: list[Variable]) -> str:
+    """The names of variables in quotes."""
     return ", ".join(f"'{v.name}'" for v in variables)
 
 
-def _is_settable(v: Variable) -> bool:
+def is_settable(v: Variable) -> bool:
+    """Whether the environment can set the variable."""
     return v.variability != "constant" and (v.causality == "input" or v.initial in ("exact", "approx"))
 
 
 @static("alias.settable", "2.2.7", ERROR, "At most one variable of an alias set can be set by the environment.")
 def alias_settable(fmu: Fmu) -> Iterator[Fault]:
-    for variables in _alias_sets(fmu):
-        settable = [v for v in variables if _is_settable(v)]
+    for variables in alias_sets(fmu):
+        settable = [v for v in variables if is_settable(v)]
         if len(settable) > 1:
-            yield Fault(settable[1].name, f"{_names(settable)} share a value and can all be set", "at most one of them")
+            found = f"{quoted_names(settable)} share a value and can all be set"
+            yield Fault(settable[1].name, found, "at most one of them")
 
 
 @static("alias.constant", "2.2.7", ERROR, "A constant is only aliased to constants.")
 def alias_constant(fmu: Fmu) -> Iterator[Fault]:
-    for variables in _alias_sets(fmu):
+    for variables in alias_sets(fmu):
         constant = [v for v in variables if v.variability == "constant"]
         if constant and len(constant) < len(variables):
-            yield Fault(constant[0].name, f"{_names(variables)} share a value", "all of them constant, or none")
+            yield Fault(constant[0].name, f"{quoted_names(variables)} share a value", "all of them constant, or none")
 
 
 @static("alias.constant-start", "2.2.7", ERROR, "Aliased constants have the same start value.")
 def alias_constant_start(fmu: Fmu) -> Iterator[Fault]:
-    for variables in _alias_sets(fmu):
+    for variables in alias_sets(fmu):
         starts = {v.start for v in variables if v.variability == "constant"}
         if len(starts) > 1:
             yield Fault(variables[1].name, f"starts {', '.join(sorted(map(str, starts)))}", "one start value for all")
@@ -218,7 +221,7 @@ def alias_constant_start(fmu: Fmu) -> Iterator[Fault]:
 
 @static("alias.unit", "2.2.7", ERROR, "Aliased variables have the same unit.")
 def alias_unit(fmu: Fmu) -> Iterator[Fault]:
-    for variables in _alias_sets(fmu):
+    for variables in alias_sets(fmu):
         units = {v.resolved("unit") for v in variables}
         if len(units) > 1:
             yield Fault(variables[1].name, f"units {', '.join(sorted(map(str, units)))} in one alias set", "one unit")

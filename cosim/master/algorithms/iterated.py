@@ -66,9 +66,9 @@ class Iterated(Even):
             before = w.signals[slots]
             self.master.run(repeat, self.ticks, 1, experiment.start, experiment.step)
             after = w.signals[slots]
-            calm = np.abs(after - before) <= self.tolerance * np.maximum(np.abs(after), w.nominal[slots])
-            if np.all(calm):
+            settled = np.abs(after - before) <= self.tolerance * np.maximum(np.abs(after), w.nominal[slots])
+            if np.all(settled):
                 return
-        restless = [w.slots[s] for s, still in zip(slots, calm) if not still]
-        raise RunError(f"The loop does not converge in the step from t = {self.time:.6g} s: {', '.join(restless[:5])} "
+        unsettled = [w.slots[s] for s, still in zip(slots, settled) if not still]
+        raise RunError(f"The loop does not converge in the step from t = {self.time:.6g} s: {', '.join(unsettled[:5])} "
                        f"still change after {self.passes} passes.")
