@@ -1,7 +1,7 @@
 """A backstepping law with tracking differentiators and disturbance observers: a reconstruction.
 
 The paper compares with "a traditional backstepping control strategy" whose equations could not be had; this
-is the textbook form of its description (SPEC section 6). It knows the nominal vehicle as an affine model,
+is the textbook form of its description. It knows the nominal vehicle as an affine model,
 
     V'     = f_V + b_V Phi   + d_V
     gamma' = f_g + b_g theta + d_g        (elevator lift neglected)

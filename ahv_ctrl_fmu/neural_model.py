@@ -17,7 +17,7 @@ PRINTED = {
     "net2_Q_min": -5 * DEG, "net2_Q_max": 5 * DEG, "net2_Q_width": 0.0058,
     "net2_delta0_min": 0.0, "net2_delta0_max": 0.35, "net2_delta0_width": 0.0117,
 }
-# What the findings of SPEC section 4 force upon any calibration: the elevator's sign, a stable differentiator, the
+# What any calibration needs (docs/evidence.md): the elevator's sign, a stable differentiator, the
 # second derivative from the pitch rate, kV above Theorem 1's bound.
 STEADY = {
     **PRINTED,

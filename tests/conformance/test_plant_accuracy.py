@@ -16,7 +16,7 @@ STRUCTURES = [plant.PRESETS["decoupled"], plant.PRESETS["estimated-coupling"]]
 
 
 def random_case(rng):
-    """Initial values, inputs and structure within SPEC section 1's admissible range."""
+    """Initial values, inputs and structure within the model's admissible range."""
     start = {"V_start": rng.uniform(7500, 11000), "h_start": rng.uniform(70e3, 135e3),
              "gamma_start": radians(rng.uniform(-5, 5)), "theta_start": radians(rng.uniform(-10, 10)),
              "Q_start": radians(rng.uniform(-10, 10)), "eta1_start": rng.uniform(-2, 2),
