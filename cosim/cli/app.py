@@ -19,6 +19,7 @@ app.command(context_settings={"allow_extra_args": True, "ignore_unknown_options"
 
 
 def show_version(wanted: bool) -> None:
+    """Print the version and end, if that is `wanted`."""
     if wanted:
         from importlib.metadata import version
 

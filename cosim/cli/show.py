@@ -5,6 +5,7 @@ from typing import Any
 
 
 def report(summary: dict[str, Any], as_json: bool) -> None:
+    """Print a result as a table of two columns, or as one JSON object."""
     if as_json:
         print(json.dumps(summary))
         return

@@ -73,6 +73,7 @@ class Flight:
         return iter(self.places)
 
     def has(self, name: str) -> bool:
+        """Whether there is a signal called `name`."""
         return name in self
 
     def to_arrow(self) -> Any:
@@ -166,6 +167,7 @@ def fly(system: System, step: float, stop: float, algorithm: str | Method = "gau
 
 
 def make_recorder(columns: list[Signal], stream: Path | None) -> Recorder:
+    """Rows into memory, or into the Parquet file `stream`."""
     return Recorder(columns) if stream is None else Stream(columns, stream)
 
 

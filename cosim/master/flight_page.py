@@ -23,6 +23,7 @@ def page(flight: "Flight") -> str:
 
 
 def row(flight: "Flight", name: str) -> tuple[object, ...]:
+    """One signal with unit, first, last, least and largest value, and description."""
     series = flight[name]
     values = np.asarray(series)
     ends = (values[0], values[-1], values.min(), values.max()) if len(values) else (None,) * 4

@@ -114,6 +114,7 @@ def info(path: str | PathLike[str]) -> FmuInfo:
 
 
 def described(path: Path, d: ModelDescription, members: list[str]) -> FmuInfo:
+    """The info of the FMU at `path` from its description and the names of its files."""
     places = [name.split("/") for name in members]
     found = {kind: getattr(d, kind) for kind in KINDS if getattr(d, kind) is not None}
     claims = vars_of(next(iter(found.values()), None))
@@ -139,6 +140,7 @@ def vars_of(interface: Any) -> dict[str, Any]:
 
 
 def variable(v: ScalarVariable) -> Variable:
+    """A variable as the FMU declares it."""
     names = ("unit", "displayUnit", "min", "max")  # the type's where the variable says nothing
     either = {name: getattr(v, name, None) or getattr(v.declaredType, name, None) for name in names}
     return Variable(v.name, v.causality, v.variability, v.type, either["unit"] or "", either["displayUnit"] or "",

@@ -44,6 +44,7 @@ class NotebookBar:
         self.handle: Any = None
 
     def update(self, t: float) -> None:
+        """The flight is at `t` (s)."""
         html = self.display.HTML(f'<progress value="{t:g}" max="{self.stop:g}"></progress> {escape(self.title)}: '
                                  f"{t:.6g} of {self.stop:g} s")
         if self.handle is None:
@@ -53,6 +54,7 @@ class NotebookBar:
 
     @contextmanager
     def shown(self) -> Iterator[None]:
+        """The bar, for as long as the context lasts."""
         try:
             yield
         finally:

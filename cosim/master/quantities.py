@@ -50,4 +50,5 @@ def conversions(description: ModelDescription, own: str | None) -> dict[str, tup
 
 
 def dimension(base: object) -> tuple[int, ...]:
+    """Exponents of the SI base units."""
     return tuple(int(getattr(base, name) or 0) for name in BASE)

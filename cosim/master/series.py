@@ -39,6 +39,7 @@ class Series(np.ndarray):
 
     @property
     def description(self) -> str:
+        """What the FMU says of the variable."""
         return self.signal.description
 
     @property

@@ -193,6 +193,7 @@ def check_scenario(scenario: Scenario, parts: Mapping[str, Choice]) -> None:
 
 
 def no_component(name: str, known: Iterable[str]) -> str:
+    """The sentence about an unknown component."""
     return f"There is no component {name}; there are {', '.join(known)}."
 
 
@@ -256,6 +257,7 @@ def ports_of(path: Path) -> dict[str, tuple[str, str]]:
 
 @contextmanager
 def opened(path: Path) -> Iterator["FmuFile"]:
+    """The FMU at `path`, extracted for as long as the context lasts. Raises UsageError for no such FMU."""
     from ..master.fmu import FmuFile  # fmpy takes its time
 
     file = FmuFile.open(path)

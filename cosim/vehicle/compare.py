@@ -177,6 +177,7 @@ def verdict(table: dict[str, dict[str, Any]]) -> str:
 
 
 def draw(flights: dict[str, Flight], title: str, panels: tuple[Panel, ...]) -> Any:
+    """One figure: a panel for each quantity, a curve for each flight."""
     figure, axes = plt.subplots(len(panels), 1, sharex=True, figsize=(8, 2.2 * len(panels) + 1), squeeze=False)
     for axis, panel in zip(axes[:, 0], panels):
         for name, expression, style in panel.curves:

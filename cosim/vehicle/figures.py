@@ -41,11 +41,13 @@ PICTURES: list[tuple[str, str, tuple[Panel, ...]]] = [
 
 
 def available(flight: Flight, panels: tuple[Panel, ...]) -> bool:
+    """Whether the flight has all signals of the panels."""
     return all(known(flight, name) for panel in panels for _, expression, _ in panel.curves
                for name in expression.split(" - "))
 
 
 def draw(flight: Flight, title: str, panels: tuple[Panel, ...]) -> Figure:
+    """One figure: panels above each other over the same time (s)."""
     height = 2.2 * len(panels) + 1
     figure = Figure(figsize=(8, height))
     axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)

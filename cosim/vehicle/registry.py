@@ -19,6 +19,7 @@ class Model:
 
 
 def by_word(*models: Model) -> dict[str, Model]:
+    """Models by the word that names them."""
     return {model.word: model for model in models}
 
 

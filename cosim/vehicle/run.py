@@ -58,11 +58,13 @@ def run(scenario: str | Scenario, controller: str = "neural", preset: Mapping[st
 
 def said_of(plan: Scenario, loop: ClosedLoop, flavour: str, algorithm: str, step: float, stop: float
             ) -> dict[str, Any]:
+    """What run.json says of the request."""
     return {"scenario": plan.name, "controller": loop.controller, "preset": loop.preset, "flavour": flavour,
             "algorithm": algorithm, "step_s": step, "stop_s": stop}
 
 
 def shown_by(flight: Flight) -> dict[str, Any]:
+    """What run.json says of the flight."""
     last = float(flight.time[-1])
     return {"ticks": flight.ticks, "finished": flight.finished, "departed_at_s": None if flight.finished else last,
             **metrics(flight), "real_time_factor": last / flight.wall_s if flight.ticks else 0.0}
@@ -74,6 +76,7 @@ def presets_of(loop: ClosedLoop) -> dict[str, dict[str, str]]:
 
 
 def draw(folder: Path, flight: Flight, plan: Scenario, loop: ClosedLoop) -> None:
+    """The scenario's figures into `folder`."""
     from .figures import write  # matplotlib takes its time
 
     preset = f" ({loop.preset})" if loop.preset else ""

@@ -69,10 +69,12 @@ VARIABLES = [
 
 
 def start(m, u, p):
+    """There is no state."""
     return []
 
 
 def advance(m, t, h, x, u, p, c):
+    """Nothing changes but time."""
     return x
 
 
@@ -96,4 +98,5 @@ def signal(m, t, parameters):
 
 
 def outputs(m, t, x, u, p):
+    """Every signal at time t (s), by name."""
     return {name: signal(m, t, parameters(p)) for name, parameters in PARAMETERS_OF.items()}

@@ -1,4 +1,4 @@
-"""What the pages say: their links, commands and tests exist, their examples fly, the site loads nothing from elsewhere."""
+"""What the pages say: their links, commands and tests exist, their examples fly, the site loads nothing remote."""
 import json
 import re
 import shlex

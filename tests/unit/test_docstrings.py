@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-ROOMS = ["cosim/errors.py", "cosim/yaml_file.py", "cosim/master", "cosim/conformance", "cosim/ssp", "cosim/campaign",
-         "fmus", "ahv_plant_fmu", "ahv_ctrl_fmu"]
-LATER = {ROOT / "cosim/master/flight.py", ROOT / "cosim/master/system.py"}
+ROOMS = ["cosim/__init__.py", "cosim/library.py", "cosim/errors.py", "cosim/text.py", "cosim/yaml_file.py",
+         "cosim/master", "cosim/conformance", "cosim/ssp", "cosim/campaign", "cosim/vehicle", "cosim/cli", "fmus", 
+         "ahv_plant_fmu", "ahv_ctrl_fmu"]
 DECORATORS = {"static", "field_validator", "model_validator"}
 Function = ast.FunctionDef | ast.AsyncFunctionDef
 
@@ -58,7 +58,7 @@ def undocumented(tree: ast.Module) -> list[str]:
 
 @pytest.mark.parametrize("room", ROOMS)
 def test_what_is_public_is_documented(room):
-    missing = {str(path.relative_to(ROOT)): undocumented(TREES[path]) for path in files(room) if path not in LATER}
+    missing = {str(path.relative_to(ROOT)): undocumented(TREES[path]) for path in files(room)}
     assert missing and {path: names for path, names in missing.items() if names} == {}
 
 
