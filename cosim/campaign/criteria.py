@@ -15,6 +15,7 @@ METRICS = {
     "velocity_error_fps.max_abs": "ft/s", "velocity_error_fps.rms": "ft/s",
     "elevator_deg.min": "deg", "elevator_deg.max": "deg", "elevator_deg.travel": "deg",
     "fuel_ratio.min": "1", "fuel_ratio.max": "1", "phi_hat.velocity_max": "1", "phi_hat.altitude_max": "1",
+    "protected_s": "s", "alpha_margin_deg.min": "deg",
 }
 
 BINARY: dict[type, Callable[[Any, Any], Any]] = {

@@ -25,7 +25,9 @@ from .spec import Campaign, Law
 
 COMMANDS = {"scenario.h_command", "scenario.V_command"}  # from which the reference is filtered where no law shows it
 NEEDED = ["plant.h", "plant.V", "plant.h_true", "plant.V_true", "controller.h_reference", "controller.V_reference",
-          "controller.elevator", "controller.fuel_ratio", "controller.phi_hat_1", "controller.phi_hat_2"]
+          "controller.elevator", "controller.fuel_ratio", "controller.phi_hat_1", "controller.phi_hat_2",
+          "controller.protecting", "controller.alpha_limit"]
+ANGLES = ["plant.gamma", "plant.theta", "plant.gamma_true", "plant.theta_true"]  # beside controller.alpha_limit
 TICKS_PER_TASK, MOST_PER_TASK, LEAST_TASKS = 200_000, 200, 16
 
 
@@ -171,6 +173,8 @@ def recorded(source: Source, campaign: Campaign, system: System, files: Fmus) ->
     known = dict(files)
     shown = recorded_names(system, known, None)
     chosen = shown & set(NEEDED)
+    if "controller.alpha_limit" in chosen:
+        chosen |= shown & set(ANGLES)
     if "controller.h_reference" not in chosen or "controller.V_reference" not in chosen:
         chosen |= shown & COMMANDS
     for pattern in campaign.signals.record:

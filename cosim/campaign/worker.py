@@ -207,7 +207,9 @@ class LoadedSystems:
 
 def flat(nested: dict[str, Any]) -> dict[str, float]:
     """Metrics by their dotted names; one that a law does not have is missing."""
-    found = {f"{group}.{key}": value for group, values in nested.items() for key, value in values.items()}
+    found: dict[str, Any] = {}
+    for name, value in nested.items():
+        found |= {f"{name}.{key}": part for key, part in value.items()} if isinstance(value, dict) else {name: value}
     return {name: float(found[name]) for name in METRICS if found.get(name) is not None}
 
 
