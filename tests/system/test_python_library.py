@@ -131,10 +131,11 @@ WRONG_ARGUMENTS = {
     "algorithm": ({"algorithm": "magic"}, "^algorithm magic is not known; there are gauss-seidel"),
     "algorithm's type": ({"algorithm": 3}, "algorithm = 3 is not allowed"),
     "record as text": ({"record": "a.*"}, r"record = 'a.\*' is not allowed: it must be a list of texts"),
+    "record as a number": ({"record": 3}, "record = 3 is not allowed"),
     "record": ({"record": ["left.z*"]}, r"^record left.z\* fits no numeric variable of left, right"),
-    "decimate": ({"decimate": 0}, "decimate = 0 is not allowed: it must be a whole number from 1 on"),
+    "decimate": ({"decimate": 0}, "decimate = 0 is not allowed: it must be 1, 2, 3"),
     "time limit": ({"time_limit": 0}, "time_limit = 0 is not allowed"),
-    "stream": ({"stream": "nowhere/signals.parquet"}, "stream = 'nowhere/signals.parquet' cannot be written"),
+    "stream": ({"stream": "nowhere/signals.parquet"}, "it must be a file in a folder that exists"),
     "progress": ({"progress": "yes"}, "progress = 'yes' is not allowed: it must be True, False or a function"),
     "pace": ({"real_time": "fast"}, "real_time = 'fast' is not allowed"),
 }
