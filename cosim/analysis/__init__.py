@@ -1,2 +1,2 @@
 """A system linearised about its equilibrium, from its FMU files alone: poles, zeros, margins."""
-from .linearize import linearize as linearize
+from .report import linearize as linearize

@@ -168,7 +168,7 @@ def answers(rest: Rest, component: str, inputs: list[str], needed: list[str], ho
                 in_all = np.flatnonzero(fits[:, :len(needed)].all(axis=1))
                 kept = int(in_all[-1]) + 1 if len(in_all) else 0
                 tried.append((values[:kept], errors[:kept], fits[kept - 1]))
-                if kept > horizon // 2:
+                if kept > horizon // 5:
                     break
             values, errors, fit = max(tried, key=lambda one: len(one[0]))
             if len(values) < min(SHORTEST, horizon):

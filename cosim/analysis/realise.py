@@ -15,23 +15,36 @@ Array = np.ndarray
 OFFSETS = 40      # i and j, each
 ROUNDING = 1e-16  # of an answer's largest value: no error is smaller
 PASSES = 5        # of scaling rows, then columns
+GROWING = 1.0     # times e over all answers is what counts as growing
 
 
 def realise(name: str, answers: Answers, step: float) -> StateSpace:
-    """The smallest sampled system with these answers as far as they can be told from errors."""
+    """The smallest sampled system with these answers as far as they can be told from errors; `name` is its states'.
+
+    What grows is realised once more with its answers weighted to grow no longer: errors grow faster.
+    """
+    found = realised(name, answers, step, 1.0)
+    growth = max(1.0, *np.abs(np.linalg.eigvals(found.A)), 1.0)
+    return realised(name, answers, step, growth) if growth > 1 + GROWING / len(answers.values) else found
+
+
+def realised(name: str, answers: Answers, step: float, growth: float) -> StateSpace:
+    """The same from answers that are divided by `growth` from each tick to the next."""
     ticks, outputs, inputs = answers.values.shape
-    errors = np.maximum(answers.errors, ROUNDING * np.abs(answers.values).max(axis=0) + np.finfo(float).tiny)
+    weights = growth ** -np.arange(ticks)[:, None, None]
+    values = answers.values * weights
+    errors = np.maximum(answers.errors * weights, ROUNDING * np.abs(values).max(axis=0) + np.finfo(float).tiny)
     rows, columns = np.ones(outputs), np.ones(inputs)
     for _ in range(PASSES):
         columns = 1 / size(errors * rows[:, None], (0, 1))
         rows = 1 / size(errors * columns, (0, 2))
-    scaled = answers.values * rows[:, None] * columns
+    scales = rows[:, None] * columns
     offsets = np.unique(np.append(0, np.rint(np.geomspace(1, (ticks - 3) // 2, OFFSETS)))).astype(int)
-    U, S, V = np.linalg.svd(hankel(scaled, offsets, 0), full_matrices=False)
-    n = int((np.linalg.norm(hankel(errors * rows[:, None] * columns, offsets, 0), 2) < S).sum())
+    U, S, V = np.linalg.svd(hankel(values * scales, offsets, 0), full_matrices=False)
+    n = int((np.linalg.norm(hankel(errors * scales, offsets, 0), 2) < S).sum())
     root = np.sqrt(S[:n])
-    A = (U[:, :n] / root).T @ hankel(scaled, offsets, 1) @ (V[:n].T / root)
-    B, C = root[:, None] * V[:n, :inputs] / columns, U[:outputs, :n] * root / rows[:, None]
+    A = growth * (U[:, :n] / root).T @ hankel(values * scales, offsets, 1) @ (V[:n].T / root)
+    B, C = root[:, None] * V[:n, :inputs] / columns, growth * U[:outputs, :n] * root / rows[:, None]
     return StateSpace(A, B, C, answers.values[0], [f"{name}[{i}]" for i in range(n)], answers.inputs, answers.outputs,
                       step)
 
