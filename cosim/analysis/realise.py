@@ -33,24 +33,26 @@ def realised(name: str, answers: Answers, step: float, growth: float) -> StateSp
     ticks, outputs, inputs = answers.values.shape
     weights = growth ** -np.arange(ticks)[:, None, None]
     values = answers.values * weights
-    errors = np.maximum(answers.errors * weights, ROUNDING * np.abs(values).max(axis=0) + np.finfo(float).tiny)
-    rows, columns = np.ones(outputs), np.ones(inputs)
+    errors = np.maximum(answers.errors * weights, ROUNDING * np.abs(values).max(axis=0))
+    rows, columns = np.ones(outputs), np.ones(inputs)  # how large errors are
     for _ in range(PASSES):
-        columns = 1 / size(errors * rows[:, None], (0, 1))
-        rows = 1 / size(errors * columns, (0, 2))
-    scales = rows[:, None] * columns
+        columns = size(errors / rows[:, None], (0, 1))
+        rows = size(errors / columns, (0, 2))
+    scales = 1 / (rows[:, None] * columns)
     offsets = np.unique(np.append(0, np.rint(np.geomspace(1, (ticks - 3) // 2, OFFSETS)))).astype(int)
     U, S, V = np.linalg.svd(hankel(values * scales, offsets, 0), full_matrices=False)
     n = int((np.linalg.norm(hankel(errors * scales, offsets, 0), 2) < S).sum())
     root = np.sqrt(S[:n])
     A = growth * (U[:, :n] / root).T @ hankel(values * scales, offsets, 1) @ (V[:n].T / root)
-    B, C = root[:, None] * V[:n, :inputs] / columns, growth * U[:outputs, :n] * root / rows[:, None]
+    B, C = root[:, None] * V[:n, :inputs] * columns, growth * U[:outputs, :n] * root * rows[:, None]
     return StateSpace(A, B, C, answers.values[0], [f"{name}[{i}]" for i in range(n)], answers.inputs, answers.outputs,
                       step)
 
 
 def size(values: Array, axes: tuple[int, int]) -> Array:
-    return np.sqrt((values**2).mean(axis=axes))
+    """Root mean square; 1 for what is nothing at all."""
+    found = np.sqrt((values**2).mean(axis=axes))
+    return np.where(found > 0, found, 1.0)
 
 
 def hankel(values: Array, offsets: Array, later: int) -> Array:
