@@ -1,6 +1,7 @@
-"""A loop flown to its equilibrium, and what its components answer there, each alone, to a small pulse on an input.
+"""A loop is flown to its equilibrium; there each component is flown alone, and its answers to small pulses are recorded.
 
-Nothing is asked of an FMU but fmi2DoStep; one that can save its state is restored, any other flown again from the start.
+The FMUs need no optional capability. One that can save its state is restored for each pulse; any other is loaded and
+flown to the equilibrium again.
 """
 from contextlib import closing
 from dataclasses import dataclass
@@ -15,30 +16,38 @@ from ..master.loaded import Master
 from ..master.system import System
 
 Array = np.ndarray
-LOOKS = 20             # at whether the loop is at rest, on the way to `settle`
-AT_REST = 1e-6         # of a signal's scale: what it may move between two looks
-SIZES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)  # of a pulse, in the input's scale; the largest that is small enough counts
-SMALL_ENOUGH = 1e-4    # by how much an answer may differ from twice that to half the pulse
-NOISE = 1e-9           # of an output's scale: a difference that does not matter
-SHORTEST = 20          # ticks of an answer that are needed
-ZERO = 1e-9            # a value at rest that says nothing of how large a variable is
+LOOKS = 20           # checks for rest until `settle`
+AT_REST = 1e-6       # largest change between two checks, relative to the signal's scale
+SIZES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)  # of a pulse, relative to the input's scale, tried in this order
+ENOUGH = 0.2         # a pulse is small enough if this share of the horizon is linear
+LINEAR = 1e-4        # largest relative difference between an answer and twice that to half the pulse
+NOISE = 1e-9         # differences below this, relative to the output's scale, are ignored
+SHORTEST = 20        # ticks of a linear answer that are needed
+ZERO = 1e-9          # a signal that stays below this does not tell its scale
 
 
 @dataclass(frozen=True)
 class Rest:
-    """A system that is at rest after `ticks` steps of `step` (s); `values` has its signals by name then."""
+    """A system that is at rest after `ticks` steps of `step` (s), with a stop time of `stop` (s).
+
+    By component.variable: `values` of the outputs at rest, and `large`, the magnitude to which changes are compared.
+    """
     system: System
     files: dict[str, FmuFile]
     step: float
     ticks: int
     stop: float
     values: dict[str, float]
+    large: dict[str, float]
 
 
 @dataclass(frozen=True)
 class Answers:
-    """What a component's outputs answer to a pulse of one tick, of size 1, on each input: `values` and how far they may
-    be off, both of shape (ticks, outputs, inputs), the first row at the end of the pulse."""
+    """A component's answers to a pulse on each input, one tick long and of size 1.
+
+    `values` and `errors` (how far the values may be off) have the shape (ticks, outputs, inputs), in the units of
+    output per input; the first row is at the end of the pulse.
+    """
     inputs: list[str]
     outputs: list[str]
     values: Array
@@ -50,10 +59,10 @@ def in_turn(master: Master) -> Array:
     return P.program(r for part in chosen_order(master, None) for r in turn(master, part, False))
 
 
-def scale(file: FmuFile, name: str, value: float) -> float:
-    """What is large for a variable: its nominal value, or else its value at rest, or else 1."""
+def scale(file: FmuFile, name: str, seen: float) -> float:
+    """The magnitude of a variable: its nominal value, or else the largest value `seen`, or else 1."""
     nominal = file.variable(name).nominal
-    return abs(float(nominal)) if nominal else abs(value) if abs(value) > ZERO else 1.0
+    return abs(float(nominal)) if nominal else seen if seen > ZERO else 1.0
 
 
 def at_rest(system: System, files: dict[str, FmuFile], watched: list[str], step: float, settle: float,
@@ -67,8 +76,8 @@ def at_rest(system: System, files: dict[str, FmuFile], watched: list[str], step:
     with closing(Master(system, files)) as master:
         master.initialise(0.0, stop)
         program, names = in_turn(master), [c.name for c in master.columns]
+        rows, times, seen = np.empty((ticks, len(names))), np.empty(ticks), np.zeros(len(names))
         columns = [names.index(name) for name in watched]
-        rows, times = np.empty((ticks, len(names))), np.empty(ticks)
         for look in range(LOOKS):
             master.cursor[:3] = 0
             status = master.attempt(program, look * ticks, ticks, 0.0, step, rows, times, 1)
@@ -76,22 +85,26 @@ def at_rest(system: System, files: dict[str, FmuFile], watched: list[str], step:
                 master.check(status, program, 0.0, step)
             except RunError as error:
                 raise RunError(f"The loop departs before it is at rest: {error}") from None
-            moved, values = np.ptp(rows[:, columns], axis=0), rows[-1, columns]
-            large = np.array([max(abs(value), scale(files[component], variable, value)) for name, value in
-                              zip(watched, values) for component, _, variable in [name.partition(".")]])
-            if (moved <= AT_REST * large).all():
-                return Rest(system, files, step, (look + 1) * ticks, stop, dict(zip(names, rows[-1].tolist())))
-    worst = int(np.argmax(np.nan_to_num(moved / large, nan=np.inf)))
-    raise RunError(f"The loop does not settle within {settle:g} s: {watched[worst]} = {values[worst]:.6g} still moves by "
-                   f"{moved[worst]:.3g} in {ticks * step:g} s.")
+            seen = np.maximum(seen, np.abs(rows).max(axis=0))
+            large = [scale(files[component], variable, most) for name, most in zip(names, seen)
+                     for component, _, variable in [name.partition(".")]]
+            moved = np.ptp(rows[:, columns], axis=0)
+            share = moved / np.maximum(np.abs(rows[-1]), large)[columns]
+            if (share <= AT_REST).all():
+                return Rest(system, files, step, (look + 1) * ticks, stop, dict(zip(names, rows[-1].tolist())),
+                            dict(zip(names, large)))
+    worst = int(np.argmax(np.nan_to_num(share, nan=np.inf)))
+    raise RunError(f"The loop does not settle within {settle:g} s: {watched[worst]} = {rows[-1, columns[worst]]:.6g} "
+                   f"still moves by {moved[worst]:.3g} in {ticks * step:g} s.")
 
 
 class Alone:
-    """One component of a system at rest, flown alone, the inputs held as they are. Use as a context manager."""
+    """One component of a system at rest, flown alone with its inputs held. Use as a context manager."""
 
     def __init__(self, rest: Rest, component: str, outputs: list[str], horizon: int):
         self.rest, self.component, self.outputs, self.horizon = rest, component, outputs, horizon
-        self.kept: Master | None = None  # at rest, the component's state saved
+        self.kept: Master | None = None   # loaded, with the component's state at rest saved
+        self.snapshot: list[Array] = []   # the signals at rest
 
     def __enter__(self) -> "Alone":
         return self
@@ -101,7 +114,7 @@ class Alone:
             self.kept.close()
 
     def load(self) -> Master:
-        """The system at rest, by flying it there."""
+        """The system, loaded and flown to its equilibrium."""
         master = Master(self.rest.system, self.rest.files)
         try:
             master.initialise(0.0, self.rest.stop)
@@ -112,19 +125,21 @@ class Alone:
         return master
 
     def fly(self, name: str, size: float) -> Array:
-        """The outputs after each tick, shape (ticks, outputs); on the first, `size` is added to the input `name`. Fewer
-        ticks than asked for where the FMU refuses one."""
+        """The outputs after each tick, shape (ticks, outputs), with `size` added to the input `name` in the first tick.
+
+        There are fewer ticks than the horizon if the FMU refuses one.
+        """
         rest, master = self.rest, self.kept
         if master:
             part = master.number[self.component]
             master.run(P.program([P.row(P.RESTORE, part)]), 0, 1, 0.0, 0.0)
-            master.put_back(self.at_rest)
+            master.put_back(self.snapshot)
         else:
             master = self.load()
             part = master.number[self.component]
             if master.instances[part].cosimulation.canGetAndSetFMUstate:
                 master.run(P.program([P.row(P.SAVE, part)]), 0, 1, 0.0, 0.0)
-                self.at_rest = master.snapshot()
+                self.snapshot = master.snapshot()
         names = [c.name for c in master.columns]
         rows, times = np.empty((self.horizon, len(names))), np.empty(self.horizon)
         program = P.program(turn(master, part, False))
@@ -144,36 +159,35 @@ class Alone:
 
 
 def answers(rest: Rest, component: str, inputs: list[str], needed: list[str], horizon: int) -> Answers:
-    """Fly `component` of a system at rest alone for `horizon` ticks, its inputs held as they are but for a pulse on one
-    of them. The outputs are those `needed`, and of all others that are continuous those that answer in proportion.
+    """The answers of one component of a system at rest, for `horizon` ticks. The outputs are those `needed`, then all
+    other continuous outputs that answer linearly.
 
-    The pulse goes either way, and once more with half the size: what then differs by more than a factor of 2 (of 4,
-    where it does not follow the pulse's sign) is not linear. Answers end where that gets too large, as those of
-    something unstable must. Raises RunError where a needed output does not answer even the smallest pulse in
-    proportion.
+    Each pulse is flown with both signs, and again with half the size. A linear answer halves; its even part is zero, or
+    falls to a quarter. Answers end where the deviation from that exceeds LINEAR, as those of an unstable component must.
+    Raises RunError if a needed output does not answer even the smallest pulse linearly.
     """
     file, links = rest.files[component], {link.target: link for link in rest.system.connections}
     outputs = needed + [n for n in file.names("output") if n not in needed and continuous_real(file, n)]
     found, good = [], np.ones(len(outputs), bool)
     with Alone(rest, component, outputs, horizon) as alone:
         still = alone.fly("", 0.0)
-        large = np.array([scale(file, name, value) for name, value in zip(outputs, still[0])])
+        large = np.array([rest.large[f"{component}.{name}"] for name in outputs])
         for name in inputs:
             link = links[f"{component}.{name}"]
-            unit = scale(file, name, link.factor * rest.values[link.source] + link.offset)
+            unit = scale(file, name, abs(link.factor) * rest.large[link.source])
             tried = []
             for size in SIZES:
                 values, errors = answer(alone, name, size * unit, still)
-                fits = proportional(values, errors, NOISE * large / (size * unit))
+                fits = linear_until(values, errors, NOISE * large / (size * unit))
                 in_all = np.flatnonzero(fits[:, :len(needed)].all(axis=1))
                 kept = int(in_all[-1]) + 1 if len(in_all) else 0
                 tried.append((values[:kept], errors[:kept], fits[kept - 1]))
-                if kept > horizon // 5:
+                if kept >= ENOUGH * horizon:
                     break
             values, errors, fit = max(tried, key=lambda one: len(one[0]))
             if len(values) < min(SHORTEST, horizon):
-                raise RunError(f"{component} ({file.path.name}) cannot be linearised: it does not answer a change of "
-                               f"{name} by {SIZES[-1] * unit:.3g} in proportion, as at a limit or a switch.")
+                raise RunError(f"{component} ({file.path.name}) cannot be linearised: its answer to a change of {name} "
+                               f"by {SIZES[-1] * unit:.3g} is not linear, as at a limit or a switch.")
             found.append((values, errors))
             good &= fit
     kept = min(len(values) for values, _ in found)
@@ -188,16 +202,16 @@ def continuous_real(file: FmuFile, name: str) -> bool:
 
 
 def answer(alone: Alone, name: str, size: float, still: Array) -> tuple[Array, Array]:
-    """The outputs' answer to a pulse of `size`, for a size of 1, and how far it may be off; shape (ticks, outputs)."""
+    """The outputs' answer to a pulse of `size`, divided by the size, and its errors; both of shape (ticks, outputs)."""
     flights = [alone.fly(name, part * size) for part in (1.0, -1.0, 0.5, -0.5)]
     length = min(len(flight) for flight in (*flights, still))
     up, down, half_up, half_down = (flight[:length] - still[:length] for flight in flights)
     odd, half_odd = (up - down) / 2, half_up - half_down
-    values = half_odd + (half_odd - odd) / 3  # without the part of third order
+    values = half_odd + (half_odd - odd) / 3  # Richardson: no third-order part
     return values / size, (np.abs(odd - half_odd) + np.abs((up + down) / 2 - 2 * (half_up + half_down))) / size
 
 
-def proportional(values: Array, errors: Array, negligible: Array) -> Array:
-    """Whether each output answers in proportion until each tick, shape (ticks, outputs)."""
+def linear_until(values: Array, errors: Array, negligible: Array) -> Array:
+    """Whether each output's answer is linear up to each tick, shape (ticks, outputs)."""
     reached = np.maximum.accumulate(np.abs(values), axis=0)
-    return np.maximum.accumulate(errors, axis=0) <= np.maximum(SMALL_ENOUGH * reached, negligible)
+    return np.maximum.accumulate(errors, axis=0) <= np.maximum(LINEAR * reached, negligible)

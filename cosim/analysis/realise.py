@@ -1,10 +1,10 @@
 """A state space from answers to pulses: the eigensystem realisation algorithm.
 
-Juang and Pappa (J. Guidance 8, 1985), after Ho and Kalman: a matrix of answers at times i + j is the product of what
-can be observed i steps after a state with what the pulses made of the states j steps before. Its singular values say
-how many states there are. Here i and j are spaced geometrically, which holds fast and slow modes in a small matrix; and
-every row and column is scaled by how far its answers may be off, so that a singular value above the norm of the same
-matrix of errors is a state, and one below is not.
+Juang and Pappa (J. Guidance 8, 1985), after Ho and Kalman: the matrix
+of the answers at ticks i + j has as many singular values as there are states that an input moves and an output shows. Two
+choices are ours. The ticks i and j are spaced geometrically, so that a small matrix covers fast and slow modes. Each
+output and input is scaled by its errors; then the states are the singular values above the norm of the same matrix of
+errors.
 """
 import numpy as np
 
@@ -15,13 +15,13 @@ Array = np.ndarray
 OFFSETS = 40      # i and j, each
 ROUNDING = 1e-16  # of an answer's largest value: no error is smaller
 PASSES = 5        # of scaling rows, then columns
-GROWING = 1.0     # times e over all answers is what counts as growing
+GROWING = 1.0     # an unstable pole counts as growing if it grows by e to this within the answers
 
 
 def realise(name: str, answers: Answers, step: float) -> StateSpace:
-    """The smallest sampled system with these answers as far as they can be told from errors; `name` is its states'.
+    """The smallest sampled system whose answers are these within their errors; states are called name[0], name[1], ...
 
-    What grows is realised once more with its answers weighted to grow no longer: errors grow faster.
+    If the answers grow, the system is found once more from answers that are weighted not to: late errors are large.
     """
     found = realised(name, answers, step, 1.0)
     growth = max(1.0, *np.abs(np.linalg.eigvals(found.A)), 1.0)
@@ -29,7 +29,7 @@ def realise(name: str, answers: Answers, step: float) -> StateSpace:
 
 
 def realised(name: str, answers: Answers, step: float, growth: float) -> StateSpace:
-    """The same from answers that are divided by `growth` from each tick to the next."""
+    """The same, from answers that are divided by growth**tick."""
     ticks, outputs, inputs = answers.values.shape
     weights = growth ** -np.arange(ticks)[:, None, None]
     values = answers.values * weights
@@ -50,12 +50,12 @@ def realised(name: str, answers: Answers, step: float, growth: float) -> StateSp
 
 
 def size(values: Array, axes: tuple[int, int]) -> Array:
-    """Root mean square; 1 for what is nothing at all."""
+    """Root mean square over some axes; 1 where that is 0."""
     found = np.sqrt((values**2).mean(axis=axes))
     return np.where(found > 0, found, 1.0)
 
 
 def hankel(values: Array, offsets: Array, later: int) -> Array:
-    """The matrix of answers at `offsets` + `offsets` + `later` ticks after the first: blocks of outputs by inputs."""
+    """The block Hankel matrix of the answers at ticks 1 + `later` + i + j, i and j from `offsets`."""
     blocks = values[1 + later + offsets[:, None] + offsets]
     return blocks.transpose(0, 2, 1, 3).reshape(len(offsets) * values.shape[1], -1)

@@ -33,19 +33,22 @@ class StateSpace:
 
 def poles(system: StateSpace) -> Array:
     """1/s, slowest first; of a sampled system those of the continuous one with the same samples."""
-    values = np.linalg.eigvals(system.A).astype(complex)
-    if system.step:
-        values = np.log(values[np.abs(values) > GONE]) / system.step
-    return values[np.argsort(np.abs(values))]
+    return rates(np.linalg.eigvals(system.A), system.step)
 
 
 def zeros(system: StateSpace, source: str, target: str) -> Array:
-    """Transmission zeros from one input to one output, 1/s, smallest first; of a continuous system that was sampled,
-    only those below half the sampling frequency are meant: `fastest`."""
+    """Transmission zeros from one input to one output, 1/s, smallest first."""
     i, o = system.inputs.index(source), system.outputs.index(target)
     pencil = np.block([[system.A, system.B[:, [i]]], [system.C[[o]], system.D[[o]][:, [i]]]])
     values = scipy.linalg.eigvals(pencil, np.diag([1.0] * len(system.A) + [0.0]))
-    values = values[np.isfinite(values)]
+    return rates(values[np.isfinite(values)], system.step)
+
+
+def rates(values: Array, step: float) -> Array:
+    """Eigenvalues of a system as rates, 1/s, smallest first: those of a sampled one without what is gone in a step."""
+    values = values.astype(complex)
+    if step:
+        values = np.log(values[np.abs(values) > GONE]) / step
     return values[np.argsort(np.abs(values))]
 
 
