@@ -102,6 +102,7 @@ def positive(name: str, value: object) -> float:
 
 
 def is_texts(value: object) -> bool:
+    """Whether `value` is a list of texts."""
     return isinstance(value, Sequence) and not isinstance(value, str) and all(isinstance(x, str) for x in value)
 
 

@@ -3,9 +3,9 @@
 The loop is flown until it is at rest. Then each component is flown alone and its answers to small pulses are recorded
 (`pulses`); a state space is found from them (`realise`); and these are connected as the components fly (`connected`).
 
-Limits of the method. A state that no input moves, or that no continuous Real output shows, is not found, and neither are
-its poles. Connections of other types (Integer, Boolean, String, discrete Reals) stay as they are at rest. Poles that
-decay to 1e-4 within one communication step are left out.
+Limits of the method. A state that no input moves, or that no continuous Real output shows, is not found, and its
+poles are not either. Connections of other types (Integer, Boolean, String, discrete Reals) stay as they are at rest.
+Poles that decay to 1e-4 within one communication step are left out.
 """
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
@@ -46,8 +46,8 @@ def linearize(system: System, actuators: Sequence[str], sensors: Sequence[str], 
                        system has these samples), poles, zeros (by "actuator to sensor", up to half the sampling
                        frequency), both in 1/s
         closed_loop    from the commands to the sensors and actuators, sampled: states, inputs, outputs, step_s, A, B,
-                       C, D, stable, abscissa (largest real part of a pole, 1/s), poles (1/s, of the continuous system with
-                       the same samples)
+                       C, D, stable, abscissa (largest real part of a pole, 1/s), poles (1/s, of the continuous system
+                       with the same samples)
         margins        for each actuator and sensor, with all others closed: the fields of `margins.Margins`
 
     Raises UsageError if a signal or a number does not fit. Raises RunError, with one sentence, if the loop departs or
@@ -115,6 +115,7 @@ def check_limits(rest: Rest, signal: str, links: Sequence[Connection]) -> None:
 
 
 def answered(rest: Rest, component: str, links: Sequence[Connection], horizon: int) -> Answers:
+    """The answers of one component to pulses on its connected inputs."""
     inputs = [k.target.partition(".")[2] for k in links if of(k.target) == component]
     needed = sorted({k.source.partition(".")[2] for k in links if of(k.source) == component})
     return answers(rest, component, inputs, needed, horizon)
