@@ -21,5 +21,5 @@ def page(flight: Flight) -> str:
 def row(flight: Flight, name: str) -> tuple[object, ...]:
     series = flight[name]
     values = np.asarray(series)
-    ends = (values[0], values[-1], values.min(), values.max()) if len(values) else (None,) * 4
-    return (name, series.unit, *map(float, ends), series.description) if len(values) else (name, series.unit, *ends)
+    ends = [float(x) for x in (values[0], values[-1], values.min(), values.max())] if len(values) else [None] * 4
+    return name, series.unit, *ends, series.description
