@@ -39,27 +39,21 @@ def fly(system: System, step: float | None = None, stop: float | None = None, *,
     Raises UsageError before anything flies if the system or an argument does not fit, and RunError if the FMUs
     cannot be started.
     """
-    if not isinstance(system, System):
-        raise UsageError(f"system = {system!r} is not allowed: it must be a cosim.System.")
+    demand(isinstance(system, System), "system", system, "a cosim.System")
     step, stop = (given(name, value, getattr(system, name)) for name, value in (("step", step), ("stop", stop)))
     for name, value in (("time_limit", time_limit), ("real_time", real_time)):
         if value is not None:
             positive(name, value)
-    if isinstance(decimate, bool) or not isinstance(decimate, int) or decimate < 1:
-        raise UsageError(f"decimate = {decimate!r} is not allowed: it must be a whole number from 1 on.")
-    if not isinstance(algorithm, str):
-        raise UsageError(f"algorithm = {algorithm!r} is not allowed: it must be a text such as 'jacobi'.")
-    if isinstance(record, str) or not all(isinstance(pattern, str) for pattern in record or ()):
-        raise UsageError(f"record = {record!r} is not allowed: it must be a list of texts such as ['plant.*'].")
-    if not isinstance(progress, bool) and not callable(progress):
-        raise UsageError(f"progress = {progress!r} is not allowed: it must be True, False or a function of the time.")
+    demand(isinstance(decimate, int) and decimate is not True and decimate > 0, "decimate", decimate, "1, 2, 3 ...")
+    demand(isinstance(algorithm, str), "algorithm", algorithm, "a text such as 'jacobi'")
+    demand(record is None or is_texts(record), "record", record, "a list of texts such as ['plant.*']")
+    demand(isinstance(progress, bool) or callable(progress), "progress", progress, "True, False or a function")
+    file = None if stream is None else as_path(stream)
+    demand(file is None or file.parent.is_dir(), "stream", str(file), "a file in a folder that exists")
     if not system.components:
         raise UsageError("The system has no components.")
     if system.start != 0:
         raise UsageError(f"The system starts at t = {system.start:g} s; a start other than 0 is not supported.")
-
-    if stream is not None and not as_path(stream).parent.is_dir():
-        raise UsageError(f"stream = {str(stream)!r} cannot be written: there is no such folder.")
 
     from .master.isolated import launch
     from .master.progress import progress_bar
@@ -67,8 +61,7 @@ def fly(system: System, step: float | None = None, stop: float | None = None, *,
     title = ", ".join(component.name for component in system.components)
     bar, tell = progress_bar(title, stop) if progress is True else (None, progress or None)
     options: dict[str, Any] = {"record": None if record is None else list(record), "decimate": decimate,
-                               "real_time": real_time, "plain": plain,
-                               "stream": None if stream is None else as_path(stream)}
+                               "real_time": real_time, "plain": plain, "stream": file}
     try:
         with bar or nullcontext():
             return launch(system, step, stop, algorithm, tell, isolate, time_limit, **options)
@@ -102,10 +95,21 @@ def given(name: str, value: float | None, suggested: float | None) -> float:
 
 
 def positive(name: str, value: object) -> float:
-    """Raises UsageError unless `value` is a finite number above 0."""
-    if isinstance(value, bool) or not isinstance(value, Real) or not 0 < float(value) < float("inf"):
-        raise UsageError(f"{name} = {value!r} is not allowed: it must be a number above 0.")
-    return float(value)
+    """`value` as a number. Raises UsageError unless it is finite and above 0."""
+    is_number = isinstance(value, Real) and not isinstance(value, bool)
+    demand(is_number and 0 < float(value) < float("inf"), name, value, "a number above 0")  # type: ignore[arg-type]
+    return float(value)  # type: ignore[arg-type]
+
+
+def is_texts(value: object) -> bool:
+    """Whether `value` is a list of texts."""
+    return isinstance(value, Sequence) and not isinstance(value, str) and all(isinstance(x, str) for x in value)
+
+
+def demand(holds: bool, name: str, value: object, wanted: str) -> None:
+    """Raises UsageError, one sentence about an argument, unless it `holds`."""
+    if not holds:
+        raise UsageError(f"{name} = {value!r} is not allowed: it must be {wanted}.")
 
 
 def in_python(sentence: str) -> str:

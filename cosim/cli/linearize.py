@@ -5,7 +5,7 @@ from typing import Annotated
 import typer
 
 from ..vehicle.closed_loop import assignments
-from .options import Altitude, Controller, Json, Preset, Set, Step, Velocity
+from .options import Altitude, Controller, Json, Plant, Preset, Set, Step, Velocity
 from .show import report, report_rows, short
 
 
@@ -14,6 +14,7 @@ def linearize(
     h: Altitude = 85000.0,
     controller: Controller = "neural",
     preset: Preset = None,
+    plant: Plant = "ideal",
     scale: Annotated[float, typer.Option(help="Factor on every coefficient group.")] = 1.0,
     step: Step = 0.01,
     set_: Set = [],  # noqa: B006
@@ -22,7 +23,7 @@ def linearize(
     """Linearise open and closed loop about level flight: poles, zeros, damping, margins at each actuator and sensor."""
     from ..vehicle.linearize import linearize as linearize_loop
 
-    found = linearize_loop(controller, preset, V, h, scale, step, assignments(set_))
+    found = linearize_loop(controller, preset, plant, V, h, scale, step, assignments(set_))
     if as_json:
         print(json.dumps(found))
         return

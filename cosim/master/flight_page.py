@@ -26,5 +26,5 @@ def row(flight: "Flight", name: str) -> tuple[object, ...]:
     """One signal with unit, first, last, least and largest value, and description."""
     series = flight[name]
     values = np.asarray(series)
-    ends = (values[0], values[-1], values.min(), values.max()) if len(values) else (None,) * 4
-    return (name, series.unit, *map(float, ends), series.description) if len(values) else (name, series.unit, *ends)
+    ends = [float(x) for x in (values[0], values[-1], values.min(), values.max())] if len(values) else [None] * 4
+    return name, series.unit, *ends, series.description

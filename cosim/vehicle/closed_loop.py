@@ -98,7 +98,7 @@ def absolute(word: str, folder: Path) -> str:
     return f"{name}{equals}{(folder / Path(file).expanduser()).resolve()}"
 
 
-def assignments(words: list[str]) -> Values:
+def assignments(words: Iterable[str]) -> Values:
     """COMPONENT.VARIABLE=VALUE words. Raises UsageError for one of another form."""
     result: Values = {}
     for word in words:

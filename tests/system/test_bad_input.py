@@ -16,7 +16,7 @@ REFUSED = {
     "an output": (["run", "case1", "--set", "plant.V=8000"], "plant.V is an output and cannot be set"),
     "a misspelt scenario": (["run", "caes1"], "Did you mean case1?"),
     "a misspelt preset": (["run", "case1", "--preset", "printd"], "no preset printd; it has calibrated"),
-    "an unknown controller": (["run", "case1", "--controller", "pid"], "there are neural, backstepping"),
+    "an unknown controller": (["run", "case1", "--controller", "pid"], "there are neural, resilient, backstepping"),
     "an unknown flavour": (["run", "case1", "--flavour", "java"], "there are python, native"),
     "an unknown algorithm": (["run", "case1", "--algorithm", "magic"], "there are "),
     "a step of nothing": (["run", "case1", "--step", "0"], "must be positive"),

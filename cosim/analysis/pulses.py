@@ -1,0 +1,217 @@
+"""A loop is flown to its equilibrium. There each component is flown alone, and its answers to pulses are recorded.
+
+The FMUs need no optional capability. One that can save its state is restored for each pulse; any other is loaded and
+flown to the equilibrium again.
+"""
+from contextlib import closing
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import RunError
+from ..master import program as P
+from ..master.algorithms.base import chosen_order, turn
+from ..master.fmu import DISCARD, FmuFile
+from ..master.loaded import Master
+from ..master.system import System
+
+Array = np.ndarray
+LOOKS = 20           # checks for rest until `settle`
+AT_REST = 1e-6       # largest change between two checks, relative to the signal's scale
+SIZES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)  # of a pulse, relative to the input's scale, tried in this order
+ENOUGH = 0.2         # a pulse is small enough if this share of the horizon is linear
+LINEAR = 1e-4        # largest relative difference between an answer and twice that to half the pulse
+NOISE = 1e-9         # differences below this, relative to the output's scale, are ignored
+SHORTEST = 20        # ticks of a linear answer that are needed
+ZERO = 1e-9          # a signal that stays below this does not tell its scale
+
+
+@dataclass(frozen=True)
+class Rest:
+    """A system that is at rest after `ticks` steps of `step` (s), with a stop time of `stop` (s).
+
+    By component.variable: `values` of the outputs at rest, and `large`, the magnitude to which changes are compared.
+    """
+    system: System
+    files: dict[str, FmuFile]
+    step: float
+    ticks: int
+    stop: float
+    values: dict[str, float]
+    large: dict[str, float]
+
+
+@dataclass(frozen=True)
+class Answers:
+    """A component's answers to a pulse on each input, one tick long and of size 1.
+
+    `values` and `errors` (how far the values may be off) have the shape (ticks, outputs, inputs), in the units of
+    output per input; the first row is at the end of the pulse.
+    """
+    inputs: list[str]
+    outputs: list[str]
+    values: Array
+    errors: Array
+
+
+def in_turn(master: Master) -> Array:
+    """The program of a tick: Gauss-Seidel."""
+    return P.program(r for part in chosen_order(master, None) for r in turn(master, part, False))
+
+
+def scale(file: FmuFile, name: str, seen: float) -> float:
+    """The magnitude of a variable: its nominal value, or else the largest value `seen`, or else 1."""
+    nominal = file.variable(name).nominal
+    return abs(float(nominal)) if nominal else seen if seen > ZERO else 1.0
+
+
+def at_rest(system: System, files: dict[str, FmuFile], watched: list[str], step: float, settle: float,
+            horizon: int) -> Rest:
+    """Fly `system` until the signals `watched` are at rest, at most `settle` seconds.
+
+    Raises RunError if they are not by then, or if an FMU refuses a step on the way.
+    """
+    ticks = max(2, round(settle / LOOKS / step))
+    stop = (LOOKS * ticks + horizon + 1) * step
+    with closing(Master(system, files)) as master:
+        master.initialise(0.0, stop)
+        program, names = in_turn(master), [c.name for c in master.columns]
+        rows, times, seen = np.empty((ticks, len(names))), np.empty(ticks), np.zeros(len(names))
+        columns = [names.index(name) for name in watched]
+        for look in range(LOOKS):
+            master.cursor[:3] = 0
+            status = master.attempt(program, look * ticks, ticks, 0.0, step, rows, times, 1)
+            try:
+                master.check(status, program, 0.0, step)
+            except RunError as error:
+                raise RunError(f"The loop departs before it is at rest: {error}") from None
+            seen = np.maximum(seen, np.abs(rows).max(axis=0))
+            large = [scale(files[component], variable, most) for name, most in zip(names, seen)
+                     for component, _, variable in [name.partition(".")]]
+            moved = np.ptp(rows[:, columns], axis=0)
+            share = moved / np.maximum(np.abs(rows[-1]), large)[columns]
+            if (share <= AT_REST).all():
+                return Rest(system, files, step, (look + 1) * ticks, stop, dict(zip(names, rows[-1].tolist())),
+                            dict(zip(names, large)))
+    worst = int(np.argmax(np.nan_to_num(share, nan=np.inf)))
+    raise RunError(f"The loop does not settle within {settle:g} s: {watched[worst]} = {rows[-1, columns[worst]]:.6g} "
+                   f"still moves by {moved[worst]:.3g} in {ticks * step:g} s.")
+
+
+class Alone:
+    """One component of a system at rest, flown alone with its inputs held. Use as a context manager."""
+
+    def __init__(self, rest: Rest, component: str, outputs: list[str], horizon: int):
+        self.rest, self.component, self.outputs, self.horizon = rest, component, outputs, horizon
+        self.kept: Master | None = None   # loaded, with the component's state at rest saved
+        self.snapshot: list[Array] = []   # the signals at rest
+
+    def __enter__(self) -> "Alone":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self.kept:
+            self.kept.close()
+
+    def load(self) -> Master:
+        """The system, loaded and flown to its equilibrium."""
+        master = Master(self.rest.system, self.rest.files)
+        try:
+            master.initialise(0.0, self.rest.stop)
+            master.run(in_turn(master), 0, self.rest.ticks, 0.0, self.rest.step)
+        except BaseException:
+            master.close()
+            raise
+        return master
+
+    def fly(self, name: str, size: float) -> Array:
+        """The outputs after each tick, shape (ticks, outputs), with `size` added to the input `name` in the first tick.
+
+        There are fewer ticks than the horizon if the FMU refuses one.
+        """
+        rest, master = self.rest, self.kept
+        if master:
+            part = master.number[self.component]
+            master.run(P.program([P.row(P.RESTORE, part)]), 0, 1, 0.0, 0.0)
+            master.put_back(self.snapshot)
+        else:
+            master = self.load()
+            part = master.number[self.component]
+            if master.instances[part].cosimulation.canGetAndSetFMUstate:
+                master.run(P.program([P.row(P.SAVE, part)]), 0, 1, 0.0, 0.0)
+                self.snapshot = master.snapshot()
+        names = [c.name for c in master.columns]
+        rows, times = np.empty((self.horizon, len(names))), np.empty(self.horizon)
+        program = P.program(turn(master, part, False))
+        places = [int(master.wiring.groups[g.number, P.FIRST]) + g.names.index(name)
+                  for g in master.wiring.inputs[part] if name in g.names]
+        master.cursor[:3] = 0
+        offset, master.wiring.offset[places] = master.wiring.offset[places], master.wiring.offset[places] + size
+        status = master.attempt(program, rest.ticks, 1, 0.0, rest.step, rows, times, 1)
+        master.wiring.offset[places] = offset
+        if status == 0:
+            status = master.attempt(program, rest.ticks + 1, self.horizon - 1, 0.0, rest.step, rows, times, 1)
+        self.kept = master if status <= DISCARD and master.wiring.states[part] else None
+        flown = int(master.cursor[2])
+        if self.kept is None:
+            master.close()
+        return rows[:flown, [names.index(f"{self.component}.{output}") for output in self.outputs]]
+
+
+def answers(rest: Rest, component: str, inputs: list[str], needed: list[str], horizon: int) -> Answers:
+    """The answers of one component of a system at rest, for `horizon` ticks. The outputs are those `needed`, then all
+    other continuous outputs that answer linearly.
+
+    Each pulse is flown with both signs, and again with half the size. A linear answer halves; its even part is zero, or
+    falls to a quarter. Answers end where the deviation from that exceeds LINEAR, as those of an unstable component do.
+    Raises RunError if a needed output does not answer even the smallest pulse linearly.
+    """
+    file, links = rest.files[component], {link.target: link for link in rest.system.connections}
+    outputs = needed + [n for n in file.names("output") if n not in needed and continuous_real(file, n)]
+    found, good = [], np.ones(len(outputs), bool)
+    with Alone(rest, component, outputs, horizon) as alone:
+        still = alone.fly("", 0.0)
+        large = np.array([rest.large[f"{component}.{name}"] for name in outputs])
+        for name in inputs:
+            link = links[f"{component}.{name}"]
+            unit = scale(file, name, abs(link.factor) * rest.large[link.source])
+            tried = []
+            for size in SIZES:
+                values, errors = answer(alone, name, size * unit, still)
+                fits = linear_until(values, errors, NOISE * large / (size * unit))
+                in_all = np.flatnonzero(fits[:, :len(needed)].all(axis=1))
+                kept = int(in_all[-1]) + 1 if len(in_all) else 0
+                tried.append((values[:kept], errors[:kept], fits[kept - 1]))
+                if kept >= ENOUGH * horizon:
+                    break
+            values, errors, fit = max(tried, key=lambda one: len(one[0]))
+            if len(values) < min(SHORTEST, horizon):
+                raise RunError(f"{component} ({file.path.name}) cannot be linearised: its answer to a change of {name} "
+                               f"by {SIZES[-1] * unit:.3g} is not linear, as at a limit or a switch.")
+            found.append((values, errors))
+            good &= fit
+    kept = min(len(values) for values, _ in found)
+    return Answers(inputs, [n for n, fits in zip(outputs, good) if fits],
+                   *(np.stack([part[:kept, good] for part in parts], axis=2) for parts in zip(*found)))
+
+
+def continuous_real(file: FmuFile, name: str) -> bool:
+    """Whether a variable is a Real that may change at any time."""
+    variable = file.variable(name)
+    return variable.type == "Real" and variable.variability in (None, "continuous")
+
+
+def answer(alone: Alone, name: str, size: float, still: Array) -> tuple[Array, Array]:
+    """The outputs' answer to a pulse of `size`, divided by the size, and its errors; both of shape (ticks, outputs)."""
+    flights = [alone.fly(name, part * size) for part in (1.0, -1.0, 0.5, -0.5)]
+    length = min(len(flight) for flight in (*flights, still))
+    up, down, half_up, half_down = (flight[:length] - still[:length] for flight in flights)
+    odd, half_odd = (up - down) / 2, half_up - half_down
+    values = half_odd + (half_odd - odd) / 3  # Richardson: no third-order part
+    return values / size, (np.abs(odd - half_odd) + np.abs((up + down) / 2 - 2 * (half_up + half_down))) / size
+
+
+def linear_until(values: Array, errors: Array, negligible: Array) -> Array:
+    """Whether each output's answer is linear up to each tick, shape (ticks, outputs)."""
+    reached = np.maximum.accumulate(np.abs(values), axis=0)
+    return np.maximum.accumulate(errors, axis=0) <= np.maximum(LINEAR * reached, negligible)

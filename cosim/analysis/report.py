@@ -1,0 +1,180 @@
+"""Any closed loop of FMU files, linearised about its equilibrium.
+
+The loop is flown until it is at rest. Then each component is flown alone and its answers to small pulses are recorded
+(`pulses`); a state space is found from them (`realise`); and these are connected as the components fly (`connected`).
+
+Limits of the method. A state that no input moves, or that no continuous Real output shows, is not found, and its
+poles are not either. Connections of other types (Integer, Boolean, String, discrete Reals) stay as they are at rest.
+Poles that decay to 1e-4 within one communication step are left out.
+"""
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from ..errors import RunError, UsageError
+from ..master.dependencies import step_order
+from ..master.fmu import FmuFile
+from ..master.loaded import open_files
+from ..master.system import Connection, System
+from ..master.wiring import checked_connections
+from .connected import connected
+from .margins import frequencies, margins, response
+from .pulses import Answers, Rest, answers, at_rest, continuous_real
+from .realise import realise
+from .statespace import StateSpace, continuous, nyquist, poles, roots, zeros
+
+HORIZON = 1000   # ticks of an answer
+AT_LIMIT = 1e-9  # of a signal's scale: a value this close to its minimum or maximum is there
+
+
+def linearize(system: System, actuators: Sequence[str], sensors: Sequence[str], step: float, settle: float = 300.0,
+              commands: Sequence[str] = (), horizon: int = HORIZON) -> dict[str, Any]:
+    """Poles, zeros and margins of a stable closed loop of FMUs, flown with Gauss-Seidel in steps of `step` seconds.
+
+    Signals are connected outputs, as `component.variable`: `actuators` lead from the controller to the plant, `sensors`
+    lead back, `commands` come from outside the loop and must be constant. The loop is flown until it is at rest, for at
+    most `settle` seconds. Answers to pulses are recorded for `horizon` steps (at least 100).
+
+    Returns a dictionary. In it a signal is called by its variable's name, or by `component.variable` if two of the
+    signals given have the same variable name.
+        settled_at_s   when the loop was found at rest, s
+        equilibrium    values of the connected signals at rest, by component.variable, in the FMUs' units
+        open_loop      from the actuators to all outputs of the components that they drive, as far as the sensors:
+                       states, inputs, outputs, step_s, A, B, C, D (continuous with step_s 0; sampled if no continuous
+                       system has these samples), poles, zeros (by "actuator to sensor", up to half the sampling
+                       frequency), both in 1/s
+        closed_loop    from the commands to the sensors and actuators, sampled: states, inputs, outputs, step_s, A, B,
+                       C, D, stable, abscissa (largest real part of a pole, 1/s), poles (1/s, of the continuous system
+                       with the same samples)
+        margins        for each actuator and sensor, with all others closed: the fields of `margins.Margins`
+
+    Raises UsageError if a signal or a number does not fit. Raises RunError, with one sentence, if the loop departs or
+    does not settle, if an actuator is at a limit, or if a component's answers are not linear.
+    """
+    if not 0 < step < float("inf") or not step < settle < float("inf") or horizon < 100:
+        raise UsageError(f"step = {step:g} s, settle = {settle:g} s and horizon = {horizon} do not fit: the step must "
+                         f"be positive, settle longer than the step, and the horizon at least 100 steps.")
+    with open_files(system) as files:
+        links = [link for link in checked_connections(system, files).values() if moves(files, link)]
+        for signal in (*actuators, *sensors, *commands):
+            if all(signal != link.source for link in links):
+                raise UsageError(f"{signal} is not a continuous Real output that is connected.")
+        order = [n for group in step_order(system, files, {k.target: k for k in system.connections}) for n in group]
+        links = live(links, [*actuators, *sensors], commands)
+        rest = at_rest(system, files, sorted({link.source for link in links}), step, settle, horizon)
+        for signal in actuators:
+            check_limits(rest, signal, links)
+        measured = {name: answered(rest, name, links, horizon) for name in order
+                    if any(of(link.target) == name for link in links)}
+    for signal in actuators:
+        check_answer(measured, rest, signal)
+    parts = {name: realise(name, found, step) for name, found in measured.items()}
+    return {"settled_at_s": rest.ticks * step, "equilibrium": {k.source: rest.values[k.source] for k in links},
+            **described(parts, links, actuators, sensors, commands)}
+
+
+def of(signal: str) -> str:
+    """The component that a signal belongs to."""
+    return signal.partition(".")[0]
+
+
+def moves(files: dict[str, FmuFile], link: Connection) -> bool:
+    """Whether a connection carries a continuous Real."""
+    return all(continuous_real(files[of(s)], s.partition(".")[2]) for s in (link.source, link.target))
+
+
+def reached(start: Iterable[str], arrows: Iterable[tuple[str, str]]) -> set[str]:
+    """`start` and all that arrows lead to from there."""
+    found, arrows = set(start), list(arrows)
+    while more := {target for source, target in arrows if source in found} - found:
+        found |= more
+    return found
+
+
+def live(links: Sequence[Connection], signals: Iterable[str], commands: Iterable[str]) -> list[Connection]:
+    """The connections that carry a change from the components of `signals` or from `commands` back to `signals`."""
+    own = {of(signal) for signal in signals}
+    ahead = reached(own | {of(k.target) for k in links if k.source in commands},
+                    ((of(k.source), of(k.target)) for k in links))
+    behind = reached(own, ((of(k.target), of(k.source)) for k in links))
+    return [k for k in links if of(k.target) in behind and (of(k.source) in ahead or k.source in commands)]
+
+
+def check_limits(rest: Rest, signal: str, links: Sequence[Connection]) -> None:
+    """Raise RunError if a signal is at the declared minimum or maximum of its own variable or of one it feeds."""
+    ends = [(signal, rest.values[signal]), *((k.target, k.factor * rest.values[signal] + k.offset)
+                                             for k in links if k.source == signal)]
+    for name, value in ends:
+        file, variable = rest.files[of(name)], name.partition(".")[2]
+        for word, limit in (("minimum", file.variable(variable).min), ("maximum", file.variable(variable).max)):
+            if limit is not None and abs(value - float(limit)) <= AT_LIMIT * rest.large[signal]:
+                raise RunError(f"At rest the actuator {name} = {value:.6g} is at its {word}: the loop cannot be "
+                               f"linearised there.")
+
+
+def answered(rest: Rest, component: str, links: Sequence[Connection], horizon: int) -> Answers:
+    """The answers of one component to pulses on its connected inputs."""
+    inputs = [k.target.partition(".")[2] for k in links if of(k.target) == component]
+    needed = sorted({k.source.partition(".")[2] for k in links if of(k.source) == component})
+    return answers(rest, component, inputs, needed, horizon)
+
+
+def check_answer(measured: dict[str, Answers], rest: Rest, signal: str) -> None:
+    """Raise RunError if an actuator does not answer any input of its component."""
+    component, _, variable = signal.partition(".")
+    found = measured.get(component)
+    if found:
+        row = found.outputs.index(variable)
+        if np.any(np.abs(found.values[:, row]).max(axis=0) > found.errors[:, row].max(axis=0)):
+            return
+    raise RunError(f"At rest the actuator {signal} = {rest.values[signal]:.6g} does not answer any input of "
+                   f"{component}: it is at a limit, or the loop is not closed through it.")
+
+
+def driven(links: Sequence[Connection], actuators: Iterable[str], sensors: Iterable[str]) -> set[str]:
+    """The components that actuators drive, as far as the sensors."""
+    return reached((of(k.target) for k in links if k.source in actuators),
+                   ((of(k.source), of(k.target)) for k in links if k.source not in sensors))
+
+
+def described(parts: dict[str, StateSpace], links: Sequence[Connection], actuators: Sequence[str],
+              sensors: Sequence[str], commands: Sequence[str]) -> dict[str, Any]:
+    """The open and the closed loop, and the margins, of linear parts."""
+    plant = {name: part for name, part in parts.items() if name in driven(links, actuators, sensors)}
+    others = [o for name, part in plant.items() for o in (f"{name}.{v}" for v in part.outputs) if o not in sensors]
+    names = short([*actuators, *sensors, *commands], others)
+    alone = named(connected(plant, links, actuators, [*sensors, *others]), names)
+    smooth = continuous(alone) or alone
+    closed = named(connected(parts, links, commands, [*sensors, *actuators]), names)
+    stable = bool(np.abs(np.linalg.eigvals(closed.A)).max() < 1)
+    found = {}
+    if stable:
+        omega = frequencies(closed.step)
+        for signal in (*actuators, *sensors):
+            cut = connected(parts, links, [signal], [signal])
+            loop = -response(cut.A, cut.B, cut.C, cut.D, omega, cut.step)[:, 0, 0]
+            found[names[signal]] = margins(omega, loop).as_dict()
+    fastest = nyquist(closed.step)
+    return {
+        "open_loop": {**smooth.as_dict(), "poles": roots(poles(alone)),
+                      "zeros": {f"{i} to {o}": roots(zeros(smooth, i, o), fastest)
+                                for i in smooth.inputs for o in smooth.outputs[:len(sensors)]}},
+        "closed_loop": {**closed.as_dict(), "stable": stable, "abscissa": float(poles(closed).real.max()),
+                        "poles": roots(poles(closed))},
+        "margins": found if stable else None,
+    }
+
+
+def short(signals: Sequence[str], others: Sequence[str]) -> dict[str, str]:
+    """component.variable -> the variable's name where that tells it from the other signals; `others` give way."""
+    names = [signal.partition(".")[2] for signal in signals]
+    found = {s: n if names.count(n) == 1 else s for s, n in zip(signals, names)}
+    more = [signal.partition(".")[2] for signal in others]
+    return found | {s: n if [*names, *more].count(n) == 1 else s for s, n in zip(others, more)}
+
+
+def named(system: StateSpace, names: dict[str, str]) -> StateSpace:
+    """The same with other names of its inputs and outputs."""
+    return replace(system, inputs=[names[n] for n in system.inputs], outputs=[names[n] for n in system.outputs])

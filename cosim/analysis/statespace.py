@@ -1,0 +1,80 @@
+"""Linear systems as matrices with names, and their poles and zeros."""
+from dataclasses import dataclass
+from math import pi
+from typing import Any
+
+import numpy as np
+import scipy.linalg
+
+Array = np.ndarray
+GONE = 1e-4  # what is left of a mode after one step when it is no pole any more that samples can tell
+
+
+@dataclass(frozen=True)
+class StateSpace:
+    """x(k+1) = A x(k) + B u(k), y(k) = C x(k) + D u(k), a sample every `step` seconds; continuous where that is 0.
+
+    y(k) is what is shown at the end of the step through which u(k) is held.
+    """
+    A: Array
+    B: Array
+    C: Array
+    D: Array
+    states: list[str]
+    inputs: list[str]
+    outputs: list[str]
+    step: float
+
+    def as_dict(self) -> dict[str, Any]:
+        """Names and matrices as lists."""
+        return {"states": self.states, "inputs": self.inputs, "outputs": self.outputs, "step_s": self.step,
+                **{name: getattr(self, name).tolist() for name in "ABCD"}}
+
+
+def poles(system: StateSpace) -> Array:
+    """1/s, slowest first; of a sampled system those of the continuous one with the same samples."""
+    return rates(np.linalg.eigvals(system.A), system.step)
+
+
+def zeros(system: StateSpace, source: str, target: str) -> Array:
+    """Transmission zeros from one input to one output, 1/s, smallest first."""
+    i, o = system.inputs.index(source), system.outputs.index(target)
+    pencil = np.block([[system.A, system.B[:, [i]]], [system.C[[o]], system.D[[o]][:, [i]]]])
+    values = scipy.linalg.eigvals(pencil, np.diag([1.0] * len(system.A) + [0.0]))
+    return rates(values[np.isfinite(values)], system.step)
+
+
+def rates(values: Array, step: float) -> Array:
+    """Eigenvalues of a system as rates, 1/s, smallest first: those of a sampled one without what is gone in a step."""
+    values = values.astype(complex)
+    if step:
+        values = np.log(values[np.abs(values) > GONE]) / step
+    return values[np.argsort(np.abs(values))]
+
+
+def continuous(system: StateSpace) -> StateSpace | None:
+    """The continuous system that, with its input held over each step, has these samples; None if there is none.
+
+    Outputs are the states' at the end of a step and depend on the input held through it: y(k) = C' x(k+1) + D' u(k).
+    """
+    n, m = system.B.shape
+    if n == 0 or np.abs(np.linalg.eigvals(system.A)).min() < GONE:
+        return None
+    both = scipy.linalg.logm(np.block([[system.A, system.B], [np.zeros((m, n)), np.eye(m)]]))
+    if np.abs(np.imag(both)).max() > 1e-6 * np.abs(both).max():
+        return None
+    both = np.real(both) / system.step
+    later = np.linalg.solve(system.A.T, system.C.T).T
+    return StateSpace(both[:n, :n], both[:n, n:], later, system.D - later @ system.B, system.states, system.inputs,
+                      system.outputs, 0.0)
+
+
+def roots(values: Array, fastest: float = np.inf) -> list[dict[str, float]]:
+    """Poles or zeros (1/s) up to `fastest`: real and imaginary part, natural frequency (rad/s), damping ratio."""
+    return [{"real": float(v.real), "imag": float(v.imag), "omega": float(abs(v)),
+             "damping": 1.0 if v == 0 else float(-v.real / abs(v))} for v in values if abs(v) <= fastest]
+
+
+def nyquist(step: float) -> float:
+    """Half the sampling frequency, rad/s."""
+    return pi / step
