@@ -1,7 +1,8 @@
 """The vehicle under a control law about level flight: poles, zeros, margins.
 
 Our own laws on our own vehicle are linearised exactly, from their models. With anybody's FMU in the loop, what flies is
-linearised from its files (`analysis`).
+linearised from its files (`analysis`), and so is a law that learns on a scaled vehicle: what it has learned when it is
+at rest depends on the flight there.
 """
 from importlib import import_module
 from math import degrees
@@ -27,7 +28,7 @@ def linearize(controller: str = "neural", preset: str | None = None, plant: str 
     seconds. `controller` and `plant` are words of the registry, or anybody's FMUs as NAME=FILE.fmu; `values` are
     parameters of both. Raises UsageError for what is not known, RunError if there is no such flight.
     """
-    if controller in LAWS and plant == "ideal":
+    if controller in LAWS and plant == "ideal" and not (LAWS[controller].learns and scale != 1):
         return from_models(controller, preset or LAWS[controller].preset or "", V, h, scale, step, values or {})
     return from_files(controller, preset, plant, V, h, scale, step, values or {})
 

@@ -16,6 +16,7 @@ class Model:
     preset: str | None = None         # what flies where nobody says which; None: the FMU's start values
     compared: tuple[str, ...] = ()    # the presets that `ahv compare` flies
     remark: str = ""                  # stands behind the law's name where laws are compared
+    learns: bool = False              # what it keeps of its flight decides how it flies at rest
 
 
 def by_word(*models: Model) -> dict[str, Model]:
@@ -27,7 +28,7 @@ LAWS = by_word(
     Model("neural", "AhvController", "ahv_ctrl_fmu.neural_model", "the paper's adaptive neural law", "calibrated",
           ("calibrated", "robust")),
     Model("resilient", "AhvResilient", "ahv_ctrl_fmu.resilient_model",
-          "a law that keeps the vehicle when its coefficients err on their own", "quiet", ("quiet",)),
+          "a law that keeps the vehicle when its coefficients err on their own", "quiet", ("quiet",), learns=True),
     Model("backstepping", "AhvBackstepping", "ahv_ctrl_fmu.backstepping_model",
           "the law that the paper compares with, reconstructed", "calibrated", ("calibrated",), "a reconstruction"),
 )

@@ -2,13 +2,19 @@
 import numpy as np
 import pytest
 from evidence import GROUPS, Loaded, fly, summary
+from scipy.stats import binomtest
+from studies import NOISE
 
 from cosim.master.flight import fly as fly_system
 from cosim.vehicle import scenarios
-from cosim.vehicle.closed_loop import planned
+from cosim.vehicle.closed_loop import closed_loop
+from cosim.vehicle.linearize import linearize
+from cosim.vehicle.metrics import metrics
 
 FORMS = ("quiet", "lean", "coupled")
-SWING = 0.05 * np.pi  # rad/s, of Case 1's coefficients
+STRUCTURES = ({}, {"psi_1": -363.5, "psi_2": 328.8}, {"psi_1": 363.5, "psi_2": 328.8},
+              {"psi_1": -363.5, "psi_2": 328.8, "coupling_sign": -1.0})
+LAG = {"elevator_bandwidth": 30.0, "elevator_rate_limit": np.radians(60)}
 
 
 def independent(seed, count):
@@ -24,21 +30,73 @@ def climbing(**scales):
                          "h_command_square": 400.0, "h_command_square_period": 20.0}}
 
 
+def flights(count, form="quiet", case="case1", plant=None, seed=18, stop=None):
+    """Flights with independent groups, one after the other; `plant` has parameters of the instrumented plant."""
+    with Loaded("resilient", form, "instrumented" if plant else "ideal") as loaded:
+        return [loaded.fly(case, {**values, "plant": plant or {}}, stop=stop) for values in independent(seed, count)]
+
+
+def lower(found):
+    """The lower end of the 95 % interval (Clopper and Pearson) of how often `found` is true."""
+    return binomtest(sum(found), len(found)).proportion_ci(method="exact").low
+
+
 @pytest.fixture(scope="module")
 def draws():
-    """40 flights of each form with independent groups: form -> flights."""
-    found = {}
-    for form in FORMS:
-        with Loaded("resilient", form) as loaded:
-            found[form] = [loaded.fly("case1", values) for values in independent(18, 40)]
-    return found
+    """Flights of each form with independent groups, 200 of the quiet one: form -> flights."""
+    return {form: flights(200 if form == "quiet" else 25, form) for form in FORMS}
 
 
-@pytest.mark.parametrize("form", FORMS)
-def test_every_vehicle_is_kept(draws, form):
-    flights = [summary(flight) for flight in draws[form]]
-    assert all(flight.survived for flight in flights)
-    assert sum(flight.h < 20 for flight in flights) >= 36
+def test_the_vehicle_is_kept_in_case_1(draws):
+    found = [summary(flight) for flight in draws["quiet"]]
+    heights, speeds = np.array([[flight.h, flight.V] for flight in found]).T
+    assert lower([flight.survived for flight in found]) > 0.98  # 200 of 200; one less would be 0.972
+    assert lower(heights < 20) > 0.97
+    assert np.median(heights) <= 5 and np.quantile(heights, 0.99) <= 20.5 and np.quantile(speeds, 0.99) <= 80
+
+
+def test_the_vehicle_is_kept_in_case_2():
+    found = [summary(flight) for flight in flights(200, case="case2", seed=19, stop=62)]  # its first jump, and 12 s
+    assert lower([flight.survived for flight in found]) > 0.98
+    assert lower([flight.h < 20 for flight in found]) > 0.97
+
+
+@pytest.mark.parametrize("plant", [LAG, NOISE, {"Q_delay": 0.03}], ids=["lag", "noise", "late"])
+def test_the_vehicle_is_kept_with_actuators_and_sensors_as_they_are(plant):
+    found = [summary(flight) for flight in flights(20, plant=plant, seed=20, stop=40)]
+    assert all(flight.survived and flight.h < 20 for flight in found)
+
+
+@pytest.mark.parametrize("structure", STRUCTURES, ids=["none", "printed sign", "mode 1 turned", "energy-consistent"])
+def test_one_preset_keeps_the_vehicle_on_every_structure(structure):
+    with Loaded("resilient", "coupled") as loaded:
+        found = [summary(loaded.fly("case1", {**values, "plant": structure}, stop=40))
+                 for values in independent(21, 15)]
+        together = summary(loaded.fly("case2", {"plant": structure}))
+    assert all(flight.survived for flight in found) and sum(flight.h < 20 for flight in found) >= 13
+    assert together.h <= 5 and together.travel <= 250
+
+
+@pytest.mark.parametrize("part, travel", [(0.1, 150), (1.0, 1200)])
+def test_noise_hardly_moves_the_elevator(part, travel):
+    flight = summary(fly("case1", "resilient", values={"plant": {n: part * v for n, v in NOISE.items()}},
+                         plant="instrumented"))
+    assert flight.travel <= travel and flight.h <= 3.2
+
+
+def test_a_sudden_loss_of_a_tenth_of_all_coefficients_is_flown():
+    values = {f"scale_{group}_{key}": value for group in GROUPS for key, value in (("base", 0.9), ("sine", 0.0))}
+    assert summary(fly("case1", "resilient", values={"scenario": values})).h <= 4
+
+
+def test_the_metrics_say_what_the_protection_did(draws):
+    found = [metrics(flight) for flight in draws["quiet"]]
+    for flight, shown in zip(draws["quiet"], found):
+        assert shown["protected_s"] == pytest.approx(0.01 * flight["controller.protecting"][1:].sum())
+        alpha = flight["plant.theta"] - flight["plant.gamma"]
+        assert shown["alpha_margin_deg"]["min"] == np.degrees(flight["controller.alpha_limit"] - alpha).min()
+    assert sum(shown["protected_s"] > 0 for shown in found) >= 40
+    assert metrics(fly("hold", stop=1))["protected_s"] is None
 
 
 @pytest.mark.parametrize("form", FORMS)
@@ -50,7 +108,7 @@ def test_no_angle_of_attack_is_commanded_beyond_what_can_be_held(draws, form):
         protecting = flight["controller.protecting"] > 0
         assert np.array_equal(asked[protecting], limit[protecting])
         bound += protecting.any()
-    assert bound >= 10, "the limit hardly ever bound: nothing was tested"
+    assert bound >= 5, "the limit hardly ever bound: nothing was tested"
 
 
 @pytest.mark.parametrize("form", ["quiet", "lean"])
@@ -77,8 +135,8 @@ def test_one_to_fifty_milliseconds_fly_the_same(form):
 @pytest.mark.parametrize("form", FORMS)
 def test_both_flavours_fly_the_same(form, python_fmus):
     plan = scenarios.load("case1")
-    presets = {**plan.presets, "controller": form}
-    native, python = (fly_system(planned(plan, "resilient", presets, flavour, []), 0.01, 20)
+    native, python = (fly_system(closed_loop(plan, "resilient", flavour=flavour,
+                                             presets={"controller": form}).system, 0.01, 20)
                       for flavour in ("native", "python"))
     for column in native.columns:
         size = max(np.abs(native[column.name]).max(), 1e-3)
@@ -89,7 +147,7 @@ def test_both_flavours_fly_the_same(form, python_fmus):
 def test_a_step_of_delay_between_law_and_vehicle_costs_little(case, form):
     """Jacobi: the vehicle gets what was computed a step ago."""
     plan = scenarios.load(case)
-    system = planned(plan, "resilient", {**plan.presets, "controller": form}, "native", [])
+    system = closed_loop(plan, "resilient", presets={"controller": form}).system
     found = [summary(fly_system(system, 0.01, plan.stop, algorithm)).h for algorithm in ("gauss-seidel", "jacobi")]
     assert found[1] == pytest.approx(found[0], abs=0.1)
 
@@ -99,3 +157,13 @@ def test_the_first_outputs_are_the_trim_and_nominal_flight_stays_there():
     for name in ("fuel_ratio", "elevator"):
         assert np.ptp(flight[f"controller.{name}"]) < 1e-9
     assert np.abs(flight["plant.h"] - 85000).max() < 1e-6
+
+
+def test_scaled_it_is_linearised_with_what_it_has_learned():
+    """With the moment scale at 1 the same loop would be unstable; the flight finds 0.63."""
+    found = linearize("resilient", scale=0.6)
+    assert found["closed_loop"]["stable"] and found["closed_loop"]["abscissa"] < -0.08
+    assert found["margins"]["gamma"]["gain_up"] == pytest.approx(1.088, abs=0.01)
+    flight = fly("hold", "resilient", values={"scenario": {f"scale_{group}_base": 0.6 for group in GROUPS}}, stop=60)
+    assert flight["controller.scale_moment"][-1] == pytest.approx(0.63, abs=0.02)
+    assert abs(flight["plant.h"][-1] - 85000) < 0.1
