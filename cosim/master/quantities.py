@@ -5,7 +5,7 @@ from fmpy.model_description import ModelDescription, ScalarVariable
 
 from ..errors import UsageError
 
-QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\d\s.+-].*?)\s*")
+QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?+)\s*([^\d\s.+-].*?)\s*")
 BASE = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 
 

@@ -1,0 +1,174 @@
+"""Draws the pictures of docs/laws/resilient.md and of the README into docs/pictures/, and prints their figures as JSON.
+
+    .venv/bin/python benchmarks/draw_law.py [NAME...]     (all of DRAWN, some minutes)
+
+`worst` needs the campaign that `benchmarks/law_table.py case1` flies.
+"""
+import json
+import sys
+from pathlib import Path
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+import numpy as np
+import pyarrow.parquet as pq
+
+HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE.parent / "tests"))
+
+from evidence import DEPARTED, GROUPS, Loaded, fly, summary  # noqa: E402
+from law_studies import PARTS, flights, independent, without  # noqa: E402
+
+PICTURES = HERE.parent / "docs" / "pictures"
+UNCERTAIN = str(HERE.parent / "docs" / "scenarios" / "uncertain.yaml")
+CASE_1 = Path("results") / "law_table" / "case1" / "runs.parquet"
+LAWS = {"neural, calibrated": ("neural", "calibrated"),
+        "backstepping (a reconstruction)": ("backstepping", "calibrated"),
+        "resilient, quiet": ("resilient", "quiet")}
+BLUE, ORANGE, RED = "#2471a3", "#e08e0b", "#c0392b"
+SWING = 0.05 * np.pi  # rad/s, of Case 1's coefficients
+
+
+def save(figure, name):
+    figure.tight_layout()
+    figure.savefig(PICTURES / f"law_{name}.png", dpi=100)
+    plt.close(figure)
+
+
+def error(flight):
+    return flight["plant.h"] - flight["controller.h_reference"]
+
+
+def degrees(flight, name):
+    return np.degrees(flight[name])
+
+
+def uncertain():
+    """One vehicle, lost by the neural law and kept by this one."""
+    lost, kept = fly(UNCERTAIN), fly(UNCERTAIN, "resilient")
+    figure, axes = plt.subplots(1, 3, figsize=(13, 3.6))
+    end = int(np.argmax(np.abs(error(lost)) > DEPARTED)) + 1
+    for flight, rows, colour, label in ((lost, slice(end), RED, "the paper's law (neural, calibrated)"),
+                                        (kept, slice(None), BLUE, "resilient")):
+        for axis, values in zip(axes, (error(flight), degrees(flight, "controller.elevator"),
+                                       degrees(flight, "plant.alpha"))):
+            axis.plot(flight.time[rows], values[rows], colour, label=label if axis is axes[0] else None)
+            if flight is lost and axis is not axes[2]:
+                axis.plot(flight.time[end - 1], values[end - 1], "x", color=RED, markersize=9, markeredgewidth=2,
+                          label="lost" if axis is axes[0] else None, clip_on=False)
+    axes[2].plot(kept.time, degrees(kept, "controller.alpha_limit"), "k--", linewidth=1.0,
+                 label="limit that resilient keeps to")
+    axes[1].axhline(20, color="k", linestyle=":", linewidth=1.0, label="the elevator's stop")
+    axes[0].set(ylabel="altitude error (ft)", ylim=(-110, 60))
+    axes[1].set(ylabel="elevator (deg)", ylim=(-22, 22))
+    axes[2].set(ylabel="angle of attack (deg)", ylim=(0, 9))
+    for axis in axes:
+        axis.set(xlim=(0, 15), xlabel="time (s)")
+        axis.grid(alpha=0.3)
+        axis.legend(fontsize="small", loc="best")
+    save(figure, "uncertain")
+    return {"departed at s": float(lost.time[-1]), "100 ft at s": float(lost.time[end - 1]),
+            "kept": vars(summary(kept))}
+
+
+def maps(count=800):
+    """Success over the phases of lift and moment for each law."""
+    phases = np.degrees([[values["scenario"][f"scale_{group}_sine_phase"] for group in GROUPS]
+                         for values in independent(18, count)])
+    figure, axes = plt.subplots(1, 3, figsize=(13, 4.6), sharey=True)
+    result = {}
+    for axis, (name, (law, preset)) in zip(axes, LAWS.items()):
+        found = [summary(flight) for flight in flights(count, preset, law=law)]
+        kept = np.array([f.survived for f in found])
+        within = kept & (np.array([f.h for f in found]) < 20)
+        for which, colour, label in ((~kept, RED, "lost"), (kept & ~within, ORANGE, "kept, more than 20 ft"),
+                                     (within, BLUE, "within 20 ft")):
+            axis.scatter(*phases[which][:, [1, 3]].T, s=11, color=colour, label=f"{label}: {which.sum()}")
+        axis.set(title=name, xlabel="phase of lift at t = 0 (deg)", xlim=(-180, 180), ylim=(-180, 180),
+                 xticks=range(-180, 181, 90), yticks=range(-180, 181, 90))
+        axis.legend(fontsize="small", loc="upper center", bbox_to_anchor=(0.5, -0.16), ncol=3, handletextpad=0.1,
+                    columnspacing=0.8)
+        result[name] = {"within": int(within.sum()), "kept": int(kept.sum()), "of": count}
+    axes[0].set_ylabel("phase of the moment at t = 0 (deg)")
+    save(figure, "maps")
+    return result
+
+
+def worst():
+    """The three largest altitude errors of the campaign."""
+    rows = pq.read_table(CASE_1).sort_by([("altitude_error_ft.max_abs", "descending")]).slice(0, 3).to_pylist()
+    figure, axes = plt.subplots(4, 3, figsize=(13, 10), sharex="col", sharey="row")
+    result = {}
+    with Loaded("resilient", "quiet") as loaded:
+        for column, row in zip(axes.T, rows):
+            phases = {group: row[f"scenario.scale_{group}_sine_phase"] for group in GROUPS}
+            flight = loaded.fly("case1", {"scenario": {f"scale_{g}_sine_phase": p for g, p in phases.items()}})
+            t = flight.time
+            at = t[np.abs(error(flight)).argmax()]
+            true = {group: 1 + 0.4 * np.sin(SWING * t + phases[group]) for group in ("lift", "moment")}
+            column[0].plot(t, error(flight), BLUE)
+            column[0].axhspan(-20, 20, color="0.92")
+            column[0].set_title(f"run {row['run']}: {np.abs(error(flight)).max():.1f} ft at {at:.1f} s")
+            column[1].plot(t, degrees(flight, "controller.elevator"), BLUE, label="elevator")
+            column[1].plot(t, degrees(flight, "controller.elevator_hold"), ORANGE, linewidth=1.0,
+                           label="that holds the angle of attack")
+            column[1].axhline(20, color="k", linestyle=":", linewidth=1.0, label="stop")
+            column[2].plot(t, degrees(flight, "plant.alpha"), BLUE, label="angle of attack")
+            column[2].plot(t, degrees(flight, "controller.alpha_command"), ORANGE, linewidth=1.0, label="commanded")
+            column[2].plot(t, degrees(flight, "controller.alpha_limit"), "k--", linewidth=1.0, label="limit")
+            for group, colour in (("lift", BLUE), ("moment", RED)):
+                column[3].plot(t, true[group], colour, linestyle="--", linewidth=1.0, label=f"{group}, true")
+                column[3].plot(t, flight[f"controller.scale_{group}"], colour, label=f"{group}, found")
+            column[3].set(xlabel="time (s)", xlim=(0, 12))
+            result[f"run {row['run']}"] = {
+                "error_ft": float(np.abs(error(flight)).max()), "at_s": float(at),
+                **{f"{group} at 0": float(values[0]) for group, values in true.items()},
+                "protected_s": row["protected_s"], "alpha_margin_deg": row["alpha_margin_deg.min"],
+                "phases": {group: round(p, 4) for group, p in phases.items()}}
+    for axis, label, low, high in zip(axes[:, 0], ("altitude error (ft)", "elevator (deg)", "angle of attack (deg)",
+                                                   "scale"), (-40, -22, -1, 0.5), (40, 22, 7, 1.5)):
+        axis.set(ylabel=label, ylim=(low, high))
+    for axis in axes.flat:
+        axis.grid(alpha=0.3)
+    for axis in axes[1:, 0]:
+        axis.legend(fontsize="small", loc="lower right")
+    save(figure, "worst")
+    return result
+
+
+def ablation(count=200):
+    """What is lost without each part."""
+    found = {part: without(part, count) for part in PARTS}
+    figure, axes = plt.subplots(1, 3, figsize=(13, 5), sharey=True)
+    at = np.arange(len(found))[::-1]
+    result = {}
+    for axis, kind, title in ((axes[0], "plain", "Case 1"), (axes[1], "lagged", "Case 1, elevator 30 rad/s, 60°/s")):
+        kept = [100 * np.mean([f.survived for f in getattr(one, kind)]) for one in found.values()]
+        within = [100 * np.mean([f.survived and f.h < 20 for f in getattr(one, kind)]) for one in found.values()]
+        axis.barh(at, kept, color=ORANGE, height=0.7, label="kept, more than 20 ft")
+        axis.barh(at, within, color=BLUE, height=0.7, label="within 20 ft")
+        axis.barh(at, 100 - np.array(kept), left=kept, color=RED, height=0.7, alpha=0.35, label="lost")
+        axis.set(title=title, xlabel=f"flights of {count} (%)", xlim=(0, 100))
+        for part, *shares in zip(found, within, kept):
+            result.setdefault(part, {})[kind] = [round(share, 1) for share in shares]
+    axes[2].barh(at, [one.travel for one in found.values()], color=BLUE, height=0.7)
+    axes[2].set(title="full unit of noise", xlabel="elevator travel in 100 s (deg)", xscale="log")
+    axes[0].set_yticks(at, ["as it is" if part == "nothing" else f"no {part}" for part in found])
+    axes[0].legend(fontsize="small", loc="lower left")
+    for axis in axes:
+        axis.grid(alpha=0.3, axis="x")
+    save(figure, "ablation")
+    for part, one in found.items():
+        worst = [f.h for f in one.plain if f.survived]
+        result[part] |= {"worst_ft": round(max(worst), 1) if worst else None, "travel_deg": round(one.travel),
+                         "together_ft": [round(h, 2) for h in one.together]}
+    return result
+
+
+DRAWN = (uncertain, maps, worst, ablation)
+
+if __name__ == "__main__":
+    wanted = sys.argv[1:] or [f.__name__ for f in DRAWN]
+    print(json.dumps({f.__name__: f() for f in DRAWN if f.__name__ in wanted}, indent=1, default=float))
