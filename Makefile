@@ -14,9 +14,10 @@ setup: .venv/ready
 build: setup
 	$(BIN)/ahv build
 
-# The README's first command: set up, build the FMUs, fly Case 1; pictures and figures in results/case1.
+# The README's first command: set up, build the FMUs, fly Case 1, then an uncertain vehicle with two laws; see results/.
 demo: build
 	$(BIN)/ahv run case1
+	$(BIN)/ahv compare docs/scenarios/uncertain.yaml --controller neural --controller resilient || test $$? -eq 1 # one is lost
 
 test: build
 	$(BIN)/pytest -n 2 --dist loadfile -m 'not slow'
