@@ -10,18 +10,18 @@ from cosim.master.flight import Flight
 LAG = {"elevator_bandwidth": 30.0, "elevator_rate_limit": np.radians(60)}
 DEG = np.pi / 180
 
-# What is left out -> the gains that leave it out of preset `quiet`, and a draw of `independent(18, ...)` that is lost or
-# missed by more than 20 ft without it: "lost", "missed", "lost lagged" (with LAG), or None where other figures show it.
-PARTS: dict[str, tuple[dict[str, float | bool], tuple[str, int] | None]] = {
+# What is left out -> the gains that leave it out of preset `quiet`, and a flight that is lost without it: a draw of
+# `independent(18, ...)`, on which plant, lost or missed (by more than 20 ft). None: noise or `together` shows it.
+PARTS: dict[str, tuple[dict[str, float | bool], tuple[int, str, str] | None]] = {
     "nothing": ({}, None),
-    "lift scale": ({"filter_lift": 1e-9}, None),
-    "pitch disturbance and moment scale": ({"filter_moment": 1e-9, "moment_gain": 0.0}, None),
-    "moment scale": ({"moment_gain": 0.0}, None),
-    "slow bias of the holding elevator": ({"hold_rate": 50.0}, None),
-    "limited approach to the stop": ({"k_barrier": 1000.0}, None),
-    "thrust's share of the pitching": ({"elevator_band": 90 * DEG}, None),
-    "limited recovery of velocity": ({"V_recovery": 1000.0}, None),
-    "model of the servo": ({"servo_rate": 0.0, "servo_speed": 1000.0}, None),
+    "lift scale": ({"filter_lift": 1e-9}, (0, "plain", "missed")),
+    "pitch disturbance and moment scale": ({"filter_moment": 1e-9, "moment_gain": 0.0}, (66, "lagged", "lost")),
+    "moment scale": ({"moment_gain": 0.0}, (46, "lagged", "lost")),
+    "slow bias of the holding elevator": ({"hold_rate": 50.0}, (25, "plain", "lost")),
+    "limited approach to the stop": ({"k_barrier": 1000.0}, (9, "plain", "lost")),
+    "thrust's share of the pitching": ({"elevator_band": 90 * DEG}, (9, "lagged", "lost")),
+    "limited recovery of velocity": ({"V_recovery": 1000.0}, (19, "plain", "missed")),
+    "model of the servo": ({"servo_rate": 0.0, "servo_speed": 1000.0}, (95, "lagged", "lost")),
     "prediction of the lift scale": ({"lift_lead": 0.0}, None),
     "filter of the altitude": ({"filter_h": 0.0}, None),
     "filter of the path angle": ({"filter_gamma": 2 * 21.2}, None),

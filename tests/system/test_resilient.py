@@ -2,6 +2,7 @@
 import numpy as np
 import pytest
 from evidence import GROUPS, Loaded, fly, summary
+from law_studies import LAG, PARTS, flights, independent
 from scipy.stats import binomtest
 from studies import NOISE
 
@@ -14,26 +15,12 @@ from cosim.vehicle.metrics import metrics
 FORMS = ("quiet", "lean", "coupled")
 STRUCTURES = ({}, {"psi_1": -363.5, "psi_2": 328.8}, {"psi_1": 363.5, "psi_2": 328.8},
               {"psi_1": -363.5, "psi_2": 328.8, "coupling_sign": -1.0})
-LAG = {"elevator_bandwidth": 30.0, "elevator_rate_limit": np.radians(60)}
-
-
-def independent(seed, count):
-    """Case 1's coefficients, every group with a phase of its own: values for `count` flights."""
-    phases = np.random.default_rng(seed).uniform(-np.pi, np.pi, (count, len(GROUPS)))
-    return [{"scenario": {f"scale_{group}_sine_phase": float(phase) for group, phase in zip(GROUPS, row)}}
-            for row in phases]
 
 
 def climbing(**scales):
     """400 ft up and down every 20 s with constant coefficients, for scales can only be found where something moves."""
     return {"scenario": {**{f"scale_{group}_base": scale for group, scale in scales.items()},
                          "h_command_square": 400.0, "h_command_square_period": 20.0}}
-
-
-def flights(count, form="quiet", case="case1", plant=None, seed=18, stop=None):
-    """Flights with independent groups, one after the other; `plant` has parameters of the instrumented plant."""
-    with Loaded("resilient", form, "instrumented" if plant else "ideal") as loaded:
-        return [loaded.fly(case, {**values, "plant": plant or {}}, stop=stop) for values in independent(seed, count)]
 
 
 def lower(found):
@@ -87,6 +74,29 @@ def test_noise_hardly_moves_the_elevator(part, travel):
 def test_a_sudden_loss_of_a_tenth_of_all_coefficients_is_flown():
     values = {f"scale_{group}_{key}": value for group in GROUPS for key, value in (("base", 0.9), ("sine", 0.0))}
     assert summary(fly("case1", "resilient", values={"scenario": values})).h <= 4
+
+
+@pytest.mark.parametrize("part", [part for part, (_, flight) in PARTS.items() if flight])
+def test_a_flight_is_lost_without_each_part(part):
+    gains, (draw, kind, how) = PARTS[part]
+    values = {**independent(18, draw + 1)[draw], "plant": LAG if kind == "lagged" else {}}
+    kept, other = (summary(fly("case1", "resilient", values={**values, "controller": changed}, stop=60,
+                               plant="instrumented" if kind == "lagged" else "ideal")) for changed in ({}, gains))
+    assert kept.survived and (how == "lost" or kept.h < 20)
+    assert not other.survived if how == "lost" else other.survived and other.h >= 20
+
+
+def test_the_filters_keep_the_noise_from_the_elevator_and_the_lift_is_predicted():
+    def travel(gains):
+        return summary(fly("case1", "resilient", values={"plant": NOISE, "controller": gains}, plant="instrumented",
+                           stop=20)).travel
+
+    filters = [part for part in PARTS if part.startswith("filter") or part == "V and Q as observed"]
+    as_it_is = travel({})
+    assert len(filters) == 5 and all(travel(PARTS[part][0]) > 1.2 * as_it_is for part in filters)
+    late, ahead = (summary(fly("case2", "resilient", values={"controller": gains})).h
+                   for gains in (PARTS["prediction of the lift scale"][0], {}))
+    assert late > 1.1 * ahead
 
 
 def test_the_metrics_say_what_the_protection_did(draws):
