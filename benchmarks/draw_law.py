@@ -149,14 +149,14 @@ def ablation(count=200):
         within = [100 * np.mean([f.survived and f.h < 20 for f in getattr(one, kind)]) for one in found.values()]
         axis.barh(at, kept, color=ORANGE, height=0.7, label="kept, more than 20 ft")
         axis.barh(at, within, color=BLUE, height=0.7, label="within 20 ft")
-        axis.barh(at, 100 - np.array(kept), left=kept, color=RED, height=0.7, alpha=0.35, label="lost")
+        axis.barh(at, 100 - np.array(kept), left=kept, color=RED, height=0.7, alpha=0.6, label="lost")
         axis.set(title=title, xlabel=f"flights of {count} (%)", xlim=(0, 100))
         for part, *shares in zip(found, within, kept):
             result.setdefault(part, {})[kind] = [round(share, 1) for share in shares]
     axes[2].barh(at, [one.travel for one in found.values()], color=BLUE, height=0.7)
-    axes[2].set(title="full unit of noise", xlabel="elevator travel in 100 s (deg)", xscale="log")
+    axes[2].set(title="full unit of noise", xlabel="elevator travel in 100 s (deg)")
     axes[0].set_yticks(at, ["as it is" if part == "nothing" else f"no {part}" for part in found])
-    axes[0].legend(fontsize="small", loc="lower left")
+    figure.legend(*axes[0].get_legend_handles_labels(), fontsize="small", loc="lower left", ncol=3)
     for axis in axes:
         axis.grid(alpha=0.3, axis="x")
     save(figure, "ablation")

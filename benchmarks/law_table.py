@@ -34,7 +34,7 @@ ONLY = {"controllers": ["resilient"]}
 ROWS = {
     "case1": ("case1", ONLY), "case1_fresh": ("case1", {**ONLY, "seed": 4711}),
     "case2": ("case2", ONLY), "case2_fresh": ("case2", {**ONLY, "seed": 4712}),
-    "sensors": ("resilient_sensors", {}), "amplitudes": ("amplitudes", ONLY), "instruments": ("instruments", ONLY),
+    "sensors": ("resilient_sensors", {}), "amplitudes": ("amplitudes", ONLY), "instruments": ("instruments", {}),
     "structures_case1": ("resilient_structures_case1", {}), "structures_case2": ("resilient_structures_case2", {}),
 }
 LAWS = {"neural": "AhvController", "backstepping": "AhvBackstepping", "resilient": "AhvResilient"}
