@@ -190,10 +190,8 @@ def commanded(m, s, u, now, p):
     V_error = m.where(p.measured_rates, u.V, s.V) - s.V_ref[0]
     V_wanted = s.V_ref[1] - m.clip(p.k_V * V_error, -p.V_recovery, p.V_recovery)
     fuel_ratio = ((V_wanted - s.d_V - V_rate(now, now.offset, hold)) * v.mass / (now.slope * now.cos_alpha))
-    demand = pitch - aerodynamic - s.d_M
-    about = REST * s.T_bar
-    demand = about + m.clip(demand - about, -p.demand_limit * per_elevator, p.demand_limit * per_elevator)
-    return SimpleNamespace(hold=hold, per_elevator=per_elevator, wanted=wanted, limit=limit, demand=demand,
+    return SimpleNamespace(hold=hold, per_elevator=per_elevator, wanted=wanted, limit=limit,
+                           demand=pitch - aerodynamic - s.d_M,
                            fuel_ratio=m.clip(fuel_ratio, p.fuel_ratio_min, p.fuel_ratio_max))
 
 

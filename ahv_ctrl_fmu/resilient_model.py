@@ -15,7 +15,7 @@ QUIET = {
     "lift_lead": 0.148, "moment_gain": 11.3, "moment_floor": 0.05, "moment_washout": 3.78, "hold_rate": 0.928,
     "alpha_margin": 0.634 * DEG, "k_barrier": 1.31, "barrier_margin": 0.13 * DEG,
     "V_recovery": 2.03, "elevator_band": 2.52 * DEG, "servo_rate": 61.0, "servo_speed": 60 * DEG,
-    "demand_limit": 10.0, **NO_FILTER,
+    **NO_FILTER,
 }
 # Without the quiet form's filters; twice the observer's rate makes the slow flight-path angle the observer's own.
 LEAN = {
@@ -33,7 +33,7 @@ COUPLED = {
     "observer_V": 11.243, "observer_gamma": 26.593, "observer_Q": 4.7735, "filter_gamma": 2 * 26.593,
     "filter_lift": 34.22, "lift_lead": 0.4437, "moment_gain": 18.5, "moment_floor": 0.10763, "moment_washout": 4.0753,
     "hold_rate": 1.5066, "alpha_margin": 1.1524 * DEG, "k_barrier": 1.3003, "barrier_margin": 0.049407 * DEG,
-    "V_recovery": 2.2756, "elevator_band": 1.4442 * DEG, "servo_rate": 130.41, "demand_limit": 35 * DEG,
+    "V_recovery": 2.2756, "elevator_band": 1.4442 * DEG, "servo_rate": 130.41,
     "section_a_zero": 14.558, "section_a_zero_damping": 0.063287,
     "section_a_pole": 14.566, "section_a_pole_damping": 0.47241,
     "section_b_zero": 19.312, "section_b_zero_damping": -0.03226,
@@ -82,7 +82,6 @@ VARIABLES = [
         ("elevator_band", "rad", 0.0, 90 * DEG, "elevator used about the one that holds; thrust pitches with the rest"),
         ("servo_rate", "1/s", 0.0, 1000.0, "rate of the elevator servo's model; 0 for a servo without lag"),
         ("servo_speed", "rad/s", SMALL, None, "largest speed of the elevator servo's model"),
-        ("demand_limit", "rad", 0.0, None, "largest elevator that the moment demand before its filter may stand for"),
     )),
     *((f"section_{k}_{name}", "parameter", unit, 0.0, low, 1000.0, None, f"moment demand's filter, section {k}: {text}")
       for k in "abcd" for name, unit, low, text in (
