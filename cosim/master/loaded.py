@@ -14,8 +14,7 @@ from . import program as P
 from .fmu import FmuFile, Instance
 from .initialise import initialise
 from .system import System, Value
-from .wiring import LONGEST_TEXT, Wirer, Wiring, checked_connections, recorded_names
-from .wiring import Signal as Signal  # `flight` takes it from here
+from .wiring import LONGEST_TEXT, Signal, Wirer, Wiring, checked_connections, recorded_names
 
 CALLS = {P.SET: "fmi2Set{}", P.PREDICT: "fmi2Set{}", P.SLOPE: "fmi2SetRealInputDerivatives", P.GET: "fmi2Get{}",
          P.STEP: "fmi2DoStep", P.SAVE: "fmi2GetFMUstate", P.RESTORE: "fmi2SetFMUstate"}

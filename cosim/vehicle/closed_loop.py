@@ -148,7 +148,7 @@ def closed_loop(scenario: Scenario, controller: str = "neural", plant: str = "id
 
     Raises UsageError for what is not known or does not fit.
     """
-    from ..master.fmu import preset  # fmpy takes its time
+    from ..master.fmu import preset  # fmpy is slow to import
 
     parts = {"scenario": Choice("scenario", fmu_path(flavour, SCENARIO.fmu), SCENARIO.preset),
              "controller": chosen("controller", controller, LAWS, flavour, folder),
@@ -258,7 +258,7 @@ def ports_of(path: Path) -> dict[str, tuple[str, str]]:
 @contextmanager
 def opened(path: Path) -> Iterator["FmuFile"]:
     """The FMU at `path`, extracted for as long as the context lasts. Raises UsageError for no such FMU."""
-    from ..master.fmu import FmuFile  # fmpy takes its time
+    from ..master.fmu import FmuFile  # fmpy is slow to import
 
     file = FmuFile.open(path)
     try:

@@ -77,7 +77,7 @@ def presets_of(loop: ClosedLoop) -> dict[str, dict[str, str]]:
 
 def draw(folder: Path, flight: Flight, plan: Scenario, loop: ClosedLoop) -> None:
     """The scenario's figures into `folder`."""
-    from .figures import write  # matplotlib takes its time
+    from .figures import write  # matplotlib is slow to import
 
     preset = f" ({loop.preset})" if loop.preset else ""
     write(folder, flight, f"{plan.name}, {loop.controller}{preset}", plan.first_figure)
