@@ -3,9 +3,9 @@
 The loop is flown until it is at rest. Then each component is flown alone and its answers to small pulses are recorded
 (`pulses`); a state space is found from them (`realise`); and these are connected as the components fly (`connected`).
 
-Limits of the method. A state that no input moves, or that no continuous Real output shows, is not found, and neither are
-its poles. Connections of other types (Integer, Boolean, String, discrete Reals) stay as they are at rest. Poles that
-decay to 1e-4 within one communication step are left out.
+Limits of the method. A state that no input moves, or that no continuous Real output shows, is not found; nor is its
+pole. Connections of other types (Integer, Boolean, String, discrete Reals) stay as they are at rest. Poles that decay
+to 1e-4 within one communication step are left out.
 """
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
@@ -20,7 +20,7 @@ from ..master.loaded import open_files
 from ..master.system import Connection, System
 from ..master.wiring import checked_connections
 from .connected import connected
-from .margins import frequencies, margins, response
+from .margins import margins_at
 from .pulses import Answers, Rest, answers, at_rest, continuous_real
 from .realise import realise
 from .statespace import StateSpace, continuous, nyquist, poles, roots, zeros
@@ -46,8 +46,8 @@ def linearize(system: System, actuators: Sequence[str], sensors: Sequence[str], 
                        system has these samples), poles, zeros (by "actuator to sensor", up to half the sampling
                        frequency), both in 1/s
         closed_loop    from the commands to the sensors and actuators, sampled: states, inputs, outputs, step_s, A, B,
-                       C, D, stable, abscissa (largest real part of a pole, 1/s), poles (1/s, of the continuous system with
-                       the same samples)
+                       C, D, stable, abscissa (largest real part of a pole, 1/s), poles (1/s, of the continuous system
+                       with the same samples)
         margins        for each actuator and sensor, with all others closed: the fields of `margins.Margins`
 
     Raises UsageError if a signal or a number does not fit. Raises RunError, with one sentence, if the loop departs or
@@ -148,13 +148,8 @@ def described(parts: dict[str, StateSpace], links: Sequence[Connection], actuato
     smooth = continuous(alone) or alone
     closed = named(connected(parts, links, commands, [*sensors, *actuators]), names)
     stable = bool(np.abs(np.linalg.eigvals(closed.A)).max() < 1)
-    found = {}
-    if stable:
-        omega = frequencies(closed.step)
-        for signal in (*actuators, *sensors):
-            cut = connected(parts, links, [signal], [signal])
-            loop = -response(cut.A, cut.B, cut.C, cut.D, omega, cut.step)[:, 0, 0]
-            found[names[signal]] = margins(omega, loop).as_dict()
+    found = {names[signal]: margins_at(connected(parts, links, [signal], [signal])).as_dict()
+             for signal in (*actuators, *sensors)} if stable else None
     fastest = nyquist(closed.step)
     return {
         "open_loop": {**smooth.as_dict(), "poles": roots(poles(alone)),
@@ -162,7 +157,7 @@ def described(parts: dict[str, StateSpace], links: Sequence[Connection], actuato
                                 for i in smooth.inputs for o in smooth.outputs[:len(sensors)]}},
         "closed_loop": {**closed.as_dict(), "stable": stable, "abscissa": float(poles(closed).real.max()),
                         "poles": roots(poles(closed))},
-        "margins": found if stable else None,
+        "margins": found,
     }
 
 
