@@ -181,7 +181,7 @@ def answers(rest: Rest, component: str, inputs: list[str], needed: list[str], ho
                 fits = linear_until(values, errors, NOISE * large / (size * unit))
                 in_all = np.flatnonzero(fits[:, :len(needed)].all(axis=1))
                 kept = int(in_all[-1]) + 1 if len(in_all) else 0
-                tried.append((values[:kept], errors[:kept], fits[kept - 1]))
+                tried.append((values[:kept], errors[:kept], fits[kept - 1] if kept else False))
                 if kept >= ENOUGH * horizon:
                     break
             values, errors, fit = max(tried, key=lambda one: len(one[0]))

@@ -56,13 +56,13 @@ def linearize(system: System, actuators: Sequence[str], sensors: Sequence[str], 
     if not 0 < step < float("inf") or not step < settle < float("inf") or horizon < 100:
         raise UsageError(f"step = {step:g} s, settle = {settle:g} s and horizon = {horizon} do not fit: the step must "
                          f"be positive, settle longer than the step, and the horizon at least 100 steps.")
+    if not actuators or not sensors:
+        raise UsageError("A loop needs at least one actuator signal and one sensor signal to be linearised.")
     with open_files(system) as files:
         links = [link for link in checked_connections(system, files).values() if moves(files, link)]
-        for signal in (*actuators, *sensors, *commands):
-            if all(signal != link.source for link in links):
-                raise UsageError(f"{signal} is not a continuous Real output that is connected.")
         order = [n for group in step_order(system, files, {k.target: k for k in system.connections}) for n in group]
         links = live(links, [*actuators, *sensors], commands)
+        check_signals(links, actuators, sensors, commands)
         rest = at_rest(system, files, sorted({link.source for link in links}), step, settle, horizon)
         for signal in actuators:
             check_limits(rest, signal, links)
@@ -100,6 +100,18 @@ def live(links: Sequence[Connection], signals: Iterable[str], commands: Iterable
                     ((of(k.source), of(k.target)) for k in links))
     behind = reached(own, ((of(k.target), of(k.source)) for k in links))
     return [k for k in links if of(k.target) in behind and (of(k.source) in ahead or k.source in commands)]
+
+
+def check_signals(links: Sequence[Connection], actuators: Sequence[str], sensors: Sequence[str],
+                  commands: Sequence[str]) -> None:
+    """Raise UsageError for a signal that is not part of the loop, or a sensor that no actuator moves."""
+    for signal in (*actuators, *sensors, *commands):
+        if all(signal != link.source for link in links):
+            raise UsageError(f"{signal} is not a continuous Real output that is connected within the loop.")
+    for signal in sensors:
+        if of(signal) not in driven(links, actuators, sensors):
+            raise UsageError(f"The sensor {signal} shows nothing that an actuator drives: no connections lead from "
+                             f"{', '.join(actuators)} to {of(signal)}.")
 
 
 def check_limits(rest: Rest, signal: str, links: Sequence[Connection]) -> None:

@@ -124,6 +124,10 @@ def test_what_cannot_be_linearised_is_said_in_one_sentence(folder):
         linear(loop(fmu, fmu, law={"d": 0.0, "c1": 0.0}))
     with pytest.raises(UsageError, match=r"spring\.whole_out is not a continuous Real output that is connected"):
         linearize(loop(fmu, fmu), ["law.y"], ["spring.whole_out"], STEP)
+    with pytest.raises(UsageError, match=r"The sensor law\.y shows nothing that an actuator drives"):
+        linearize(loop(fmu, fmu), ["law.y"], ["spring.y", "law.y"], STEP)
+    with pytest.raises(UsageError, match="at least one actuator"):
+        linearize(loop(fmu, fmu), [], ["spring.y"], STEP)
     with pytest.raises(UsageError, match="step = -1 s"):
         linearize(loop(fmu, fmu), ["law.y"], ["spring.y"], -1.0)
 
