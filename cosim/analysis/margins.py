@@ -7,8 +7,9 @@ from math import pi
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
-Array = np.ndarray
+Array = npt.NDArray[Any]
 FREQUENCIES = 3000
 LOWEST = 1e-3  # rad/s
 REAL = 1e-6  # rad
@@ -28,6 +29,7 @@ class Margins:
     crossover: float | None
 
     def as_dict(self) -> dict[str, float | None]:
+        """The margins by name."""
         return asdict(self)
 
 
