@@ -13,14 +13,14 @@ $(BIN)/python:
 
 # What it takes to build the Python FMUs and to fly. --no-deps: the list is complete.
 .venv/flying: requirements/flying.txt pyproject.toml | $(BIN)/python
-	@echo "Installing what flying needs into .venv: about 670 MB on disk, a third of that to download."
+	@echo "Installing what flying needs into .venv: about 670 MB on disk, 210 MB to download."
 	$(PIP) install --no-deps --no-compile --requirement requirements/flying.txt
 	$(PIP) install --no-deps --editable .
 	@touch $@
 	@echo "Installed: $$(du -sh .venv | cut -f1)."
 
 .venv/everything: requirements/all.txt pyproject.toml | $(BIN)/python
-	@echo "Installing everything into .venv: about 1.9 GB on disk, a third of that to download."
+	@echo "Installing everything into .venv: about 1.8 GB on disk, 530 MB to download."
 	$(PIP) install --no-deps --requirement requirements/all.txt
 	$(PIP) install --no-deps --editable .
 	@touch .venv/flying $@
