@@ -4,6 +4,7 @@ The algorithms (`algorithms`) say what to do on a tick, as programs; `flight` fl
 """
 from collections.abc import Iterator
 from contextlib import contextmanager
+from importlib.util import find_spec
 from typing import Protocol
 
 import numpy as np
@@ -178,8 +179,8 @@ NO_ROWS, NO_TIMES = np.empty((0, 0)), np.empty(0)
 
 
 def make_loop(plain: bool, wiring: Wiring) -> Loop:
-    """The tick loop: in Python if `plain`, else compiled."""
-    if plain:
+    """The tick loop: in Python if `plain` or without numba, else compiled; the numbers are the same."""
+    if plain or find_spec("numba") is None:
         from . import loop_plain
         return loop_plain.Loop(wiring)
     from . import loop_compiled  # imports numba, which is slow

@@ -1,19 +1,17 @@
 """The FMU files of the Python flavour, each alone."""
 import subprocess
 import sys
-from pathlib import Path
 from shutil import copyfile, copytree
 
 import numpy as np
 import pytest
 from flying import running, step
 from fmpy.validation import validate_fmu
+from places import ROOT
 
 from cosim.errors import RunError
 from cosim.vehicle.registry import MODELS
 from fmus.build import DIST, build
-
-ROOT = Path(__file__).parent.parent.parent
 
 
 @pytest.fixture(params=sorted(MODELS))
