@@ -21,7 +21,7 @@ from native_step import COMPILER, HERE, INCLUDE, STEP
 from fmus.build import DIST
 
 PASSES = 3
-LAWS = ("AhvController", "AhvBackstepping")
+LAWS = ("AhvController", "AhvResilient", "AhvBackstepping")
 OUTPUTS = ("fuel_ratio", "elevator")
 # How far each input wanders around its start: ft/s, ft, rad, rad, rad/s; ft/s, ft.
 SWING = {"V": 0.5, "h": 2.0, "gamma": 2e-4, "theta": 0.001, "Q": 0.001, "V_command": 0.5, "h_command": 2.0}

@@ -166,7 +166,57 @@ BACKSTEPPING: tuple[dict[str, Block], list[Arrow]] = ({
     ("Qm.e", "oq.w", "", None, "", False),
     ("lim2.s", "oq.e", "$\\delta_e$ as sent", (10.15, -0.1), "", False),
 ])
-DIAGRAMS = {"neural": NEURAL, "backstepping": BACKSTEPPING}
+RESILIENT: tuple[dict[str, Block], list[Arrow]] = ({
+    "gm": Block(3.9, 7.0, 0.6, "$\\gamma,\\ \\theta$", kind="text"),
+    "Qm": Block(6.2, 7.0, 0.4, "$Q$", kind="text"),
+    "og": Block(3.9, 6.0, 1.7, "Lift observer", "observer_gamma", "learns"),
+    "oq": Block(6.2, 6.0, 1.7, "Moment\nobserver", "observer_Q", "learns"),
+    "ms": Block(8.6, 6.0, 1.5, "Moment\nscale", "moment_gain", "learns"),
+    "hold": Block(10.9, 6.0, 1.7, "Elevator that\nholds this $\\alpha$", "hold_rate"),
+
+    "hc": Block(0.25, 4.0, 0.9, "$h_{command}$", kind="text"),
+    "ref2": Block(1.75, 4.0, 1.5, "Reference\nfilter", "(67)"),
+    "alt": Block(3.9, 4.0, 1.7, "Altitude:\n$\\alpha$ wanted", "k_gamma, k_path"),
+    "top": Block(6.2, 4.0, 1.7, "$\\alpha$ that can\nbe held", "alpha_margin", "limit"),
+    "pitch": Block(8.6, 4.0, 1.5, "Moment\ndemand", "k_alpha, k_Q"),
+    "filt": Block(10.9, 4.0, 1.7, "Structural\nfilter", "preset coupled only"),
+
+    "Vc": Block(0.25, 1.9, 0.9, "$V_{command}$", kind="text"),
+    "ref1": Block(1.75, 1.9, 1.5, "Reference\nfilter", "(67)"),
+    "spd": Block(3.9, 1.9, 1.7, "Speed: inverse\nmodel", "k_V"),
+    "share": Block(8.0, 1.9, 1.9, "Elevator first,\nthrust the rest", "elevator_band"),
+    "lim": Block(10.9, 1.9, 1.7, "Limits", "0.05 … 1.5; ±20°", "limit"),
+    "Phi": Block(12.4, 2.15, 0.4, "$\\Phi$", kind="text"),
+    "de": Block(12.4, 1.65, 0.4, "$\\delta_e$", kind="text"),
+    "Vm": Block(2.4, 0.3, 0.4, "$V$", kind="text"),
+    "ov": Block(3.9, 0.3, 1.7, "Drag observer", "observer_V", "learns"),
+    "servo": Block(10.9, 0.3, 1.7, "Servo model", "servo_rate"),
+    "back": Block(8.0, 0.3, 2.6, "to the observers", kind="text"),
+}, [
+    ("gm.s", "og.n", "", None, "", False),
+    ("Qm.s", "oq.n", "", None, "", False),
+    ("oq.e", "ms.w", "$\\hat d_Q$", (7.45, 6.18), "", False),
+    ("ms.e", "hold.w", "$\\hat s_M,\\ \\hat d_Q$", (9.72, 6.22), "", False),
+    ("og.s", "alt.n", "$\\hat s_L$", (4.15, 5.1), "", False),
+    ("hold.s", "top.n", "elevator that is left", (8.6, 4.95), "y4.8", False),
+    ("hc.e", "ref2.w", "", None, "", False),
+    ("ref2.e", "alt.w", "", None, "", False),
+    ("alt.e", "top.w", "", None, "", False),
+    ("top.e", "pitch.w", "$\\alpha_c$", (7.45, 4.18), "", False),
+    ("pitch.e", "filt.w", "", None, "", False),
+    ("filt.s", "share.n", "", None, "y3.0", False),
+    ("Vc.e", "ref1.w", "", None, "", False),
+    ("ref1.e", "spd.w", "", None, "", False),
+    ("spd.e", "share.w", "$\\Phi$ for speed", (5.9, 2.08), "", False),
+    ("share.e", "lim.w", "", None, "", False),
+    ("lim.e+0.25", "Phi.w", "", None, "", False),
+    ("lim.e-0.25", "de.w", "", None, "", False),
+    ("Vm.e", "ov.w", "", None, "", False),
+    ("ov.n", "spd.s", "$\\hat d_V$", (4.15, 1.1), "", False),
+    ("lim.s", "servo.n", "", None, "", False),
+    ("servo.w", "back.e", "", None, "", False),
+])
+DIAGRAMS = {"neural": NEURAL, "backstepping": BACKSTEPPING, "resilient": RESILIENT}
 
 
 def end(blocks: dict[str, Block], word: str) -> tuple[float, float]:
@@ -212,8 +262,9 @@ def draw_block(axes: Axes, block: Block) -> None:
 
 
 def draw(blocks: dict[str, Block], arrows: list[Arrow]) -> Figure:
-    xs, ys = [b.x for b in blocks.values()], [b.y for b in blocks.values()]
-    left, right, low, high = min(xs) - 0.5, max(xs) + 0.4, min(ys) - 0.6, max(ys) + 1.2
+    xs = [b.x for b in blocks.values()]
+    ys = [b.y for b in blocks.values()] + [y for arrow in arrows for _, y in corners(blocks, arrow)]
+    left, right, low, high = min(xs) - 0.5, max(xs) + 0.4, min(ys) - 0.6, max(ys) + 0.5
     figure = Figure(figsize=((right - left) * SCALE, (high - low) * SCALE))
     axes = figure.add_axes((0, 0, 1, 1))
     for block in blocks.values():
