@@ -20,7 +20,7 @@ $(BIN)/python:
 	@echo "Installed: $$(du -sh .venv | cut -f1)."
 
 .venv/everything: requirements/all.txt pyproject.toml | $(BIN)/python
-	@echo "Installing everything into .venv: about 1.8 GB on disk, 530 MB to download."
+	@echo "Installing everything into .venv: about 2.2 GB on disk, 600 MB to download."
 	$(PIP) install --no-deps --requirement requirements/all.txt
 	$(PIP) install --no-deps --editable .
 	@touch .venv/flying $@
