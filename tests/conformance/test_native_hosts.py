@@ -135,10 +135,12 @@ def test_the_sources_fly_on_an_arm_processor(members, reference, tmp_path):
 
 
 def test_an_importer_can_compile_the_sources_again(native_fmus, tmp_path):
-    """fmpy with CMake, which finds zig as `cc`."""
+    """fmpy with CMake, which finds zig as `cc`; it asks for a C++ compiler, too, and does not use it."""
     (tmp_path / "bin").mkdir()
-    (tmp_path / "bin" / "cc").write_text(f'#!/bin/sh\nexec "{sys.executable}" -m ziglang cc -target {LINUX} "$@"\n')
-    (tmp_path / "bin" / "cc").chmod(0o755)
+    for name in ("cc", "c++"):
+        script = tmp_path / "bin" / name
+        script.write_text(f'#!/bin/sh\nexec "{sys.executable}" -m ziglang cc -target {LINUX} "$@"\n')
+        script.chmod(0o755)
     copy = tmp_path / "AhvController.fmu"
     shutil.copy(native_fmus["AhvController"], copy)
     tools = os.path.dirname(sys.executable)
