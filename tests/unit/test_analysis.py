@@ -4,7 +4,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import scipy.linalg
-from small_fmus import small
+import small
 
 from cosim.analysis import linearize
 from cosim.analysis.pulses import Answers, Rest
