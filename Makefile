@@ -1,26 +1,47 @@
 PYTHON ?= python3
 BIN := .venv/bin
+PIP := $(BIN)/python -m pip --disable-pip-version-check
+UV := $(BIN)/python -m uv pip
 
-.PHONY: setup build demo test lint slow foreign-hosts docs clean
+.PHONY: setup build demo test lint slow foreign-hosts docs lock oldest clean
 
-setup: .venv/ready
+# Everything: to build the native FMUs, to test and to develop.
+setup: .venv/everything
 
-.venv/ready: pyproject.toml
+$(BIN)/python:
 	$(PYTHON) -m venv .venv
-	$(BIN)/pip install --quiet --upgrade pip
-	$(BIN)/pip install --quiet --editable '.[all]'
-	touch $@
+
+# What it takes to build the Python FMUs and to fly. --no-deps: the list is complete.
+.venv/flying: requirements/flying.txt pyproject.toml | $(BIN)/python
+	@echo "Installing what flying needs into .venv: about 670 MB on disk, 210 MB to download."
+	$(PIP) install --no-deps --no-compile --requirement requirements/flying.txt
+	$(PIP) install --no-deps --editable .
+	@touch $@
+	@echo "Installed: $$(du -sh .venv | cut -f1)."
+
+.venv/everything: requirements/all.txt pyproject.toml | $(BIN)/python
+	@echo "Installing everything into .venv: about 2.2 GB on disk, 600 MB to download."
+	$(PIP) install --no-deps --requirement requirements/all.txt
+	$(PIP) install --no-deps --editable .
+	@touch .venv/flying $@
+	@echo "Installed: $$(du -sh .venv | cut -f1)."
 
 build: setup
+	@echo "Building all FMUs in both flavours; the first time takes the compiler a few minutes."
 	$(BIN)/ahv build
 
 # The README's first command: set up, build the FMUs, fly Case 1, then an uncertain vehicle with two laws; see results/.
-demo: build
-	$(BIN)/ahv run case1
-	$(BIN)/ahv compare docs/scenarios/uncertain.yaml --controller neural --controller resilient || test $$? -eq 1 # one is lost
+demo: .venv/flying
+	@echo "Building the FMUs of the Python flavour."
+	$(BIN)/ahv build --flavour python
+	@echo "Flying Case 1."
+	$(BIN)/ahv run case1 --flavour python
+	@echo "Flying an uncertain vehicle with two laws. One of them loses it."
+	$(BIN)/ahv compare docs/scenarios/uncertain.yaml --controller neural --controller resilient --flavour python || test $$? -eq 1
+	@echo "The figures are in results/case1/figures and results/compare_uncertain. 'make build' adds the native FMUs, which need no Python."
 
 test: build
-	$(BIN)/pytest -n 2 --dist loadfile -m 'not slow'
+	$(BIN)/python -m pytest -n 2 --dist loadfile -m 'not slow'
 
 lint: setup
 	$(BIN)/ruff check .
@@ -28,16 +49,29 @@ lint: setup
 
 # What is too long for the everyday suite.
 slow: build
-	$(BIN)/pytest -m slow
+	$(BIN)/python -m pytest -m slow
 
 # The native controller in hosts for Windows (Debian's wine64) and Arm (qemu-user), and the long valgrind runs.
 foreign-hosts: build
-	$(BIN)/pytest -m slow tests/conformance/test_native_hosts.py
+	$(BIN)/python -m pytest -m slow tests/conformance/test_native_hosts.py
+
+# Renew the lists of pinned versions. Flying needs no CMake, which fmpy names for compiling FMUs.
+lock: setup
+	$(UV) compile --quiet --upgrade --universal --no-header --no-annotate --all-extras pyproject.toml -o requirements/all.txt
+	$(UV) compile --quiet --universal --no-header --no-annotate --constraint requirements/all.txt \
+		--no-emit-package cmake pyproject.toml -o requirements/flying.txt
+
+# Does everything work with the oldest versions that pyproject.toml allows?
+oldest: setup
+	rm -rf .venv-oldest
+	$(PYTHON) -m venv .venv-oldest
+	$(UV) install --quiet --python .venv-oldest/bin/python --resolution lowest-direct --editable '.[all]'
+	.venv-oldest/bin/ahv build
+	.venv-oldest/bin/python -m pytest -q -m 'not slow' tests/unit tests/conformance tests/system/test_cases.py
 
 # The documentation as a site, in site/; open site/index.html.
 docs: setup
-	$(BIN)/pip install --quiet --editable '.[docs]'
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet --strict
 
 clean:
-	rm -rf .venv results fmus/dist site
+	rm -rf .venv .venv-oldest results fmus/dist site

@@ -85,9 +85,9 @@ VARIABLES = [
     )),
     *((f"section_{k}_{name}", "parameter", unit, 0.0, low, 1000.0, None, f"moment demand's filter, section {k}: {text}")
       for k in "abcd" for name, unit, low, text in (
-        ("zero", "rad/s", 0.0, "frequency of its zeros; 0 for none"),
+        ("zero", "rad/s frequency", 0.0, "frequency of its zeros; 0 for none"),
         ("zero_damping", "1", -10.0, "damping ratio of its zeros"),
-        ("pole", "rad/s", 0.0, "frequency of its poles; 0 for no section"),
+        ("pole", "rad/s frequency", 0.0, "frequency of its poles; 0 for no section"),
         ("pole_damping", "1", 0.0, "damping ratio of its poles"))),
     *SHARED,
 ]

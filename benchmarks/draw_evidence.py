@@ -35,9 +35,9 @@ from studies import NOISE, SENSORS, ablation, envelope, limits  # noqa: E402
 from ahv_ctrl_fmu import backstepping_model, neural_model  # noqa: E402
 from ahv_ctrl_fmu.neural_model import PRESETS  # noqa: E402
 from ahv_plant_fmu import model as plant  # noqa: E402
+from cosim.analysis.margins import frequencies, margins_at, response  # noqa: E402
 from fmus.linear_report import preset_gains  # noqa: E402
 from fmus.linearize import GROUPS, linear_loop  # noqa: E402
-from fmus.margins import frequencies, response  # noqa: E402
 
 PICTURES = HERE.parent / "docs" / "pictures"
 LAWS = {"neural, calibrated": ("neural", neural_model, "calibrated"),
@@ -131,7 +131,7 @@ def margins():
     omega = frequencies(0.01)
     for law, (_, model, preset) in LAWS.items():
         loop = linear_loop(plant, model, preset_gains(model, preset), 7700, 85000)
-        result[law] = {name: m.as_dict() for name, m in loop.margins().items()}
+        result[law] = {name: margins_at(cut).as_dict() for name, cut in loop.cuts().items()}
         for column, place in enumerate(({"actuator": 1}, {"sensor": 2})):
             cut = loop.cut(**place)
             curve = -response(cut.A, cut.B, cut.C, cut.D, omega, 0.01)[:, 0, 0]

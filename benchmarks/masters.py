@@ -128,8 +128,10 @@ def write_systems(folder: Path) -> dict[str, Path]:
 
 def measure(master: str, ssp: Path, step: float, ticks: int) -> dict[str, float] | str:
     """One measurement in a process of its own; its figures, or why there are none."""
+    import peers
+
     done = subprocess.run([sys.executable, __file__, "--one", master, str(ssp), str(step), str(ticks)],
-                          capture_output=True, text=True, timeout=300)
+                          capture_output=True, text=True, timeout=300, env=peers.environment())
     lines = done.stdout.strip().splitlines()
     if done.returncode or not lines:
         return (done.stderr.strip().splitlines() or [f"ended with {done.returncode}"])[-1]

@@ -18,14 +18,12 @@ from fmpy.fmi2 import FMU2Slave
 from cosim.vehicle.registry import MODELS
 from fmus.build import DIST
 from fmus.interface import internal_steps, variables
-from fmus.native_compiler import COMPILE
+from fmus.native_compiler import COMPILE, cc
 from fmus.trace import trace_model
 
 HERE = Path(__file__).parent
 STEP = 0.01
 INCLUDE = [Path(fmpy.__file__).parent / "c-code", HERE.parent / "tests" / "conformance" / "native"]
-COMPILER = [sys.executable, "-m", "ziglang", "cc", "-target", "x86_64-linux-gnu.2.17",
-            *COMPILE]
 
 
 def write_kernel(model, guid: str, folder: Path) -> None:
@@ -52,8 +50,8 @@ def native(name: str, folder: Path) -> tuple[float, float]:
     fmpy.extract(str(DIST / "native" / f"{name}.fmu"), str(folder))
     write_kernel(import_module(MODELS[name]), fmpy.read_model_description(str(folder)).guid, folder)
     program = folder / "native_step"
-    subprocess.run([*COMPILER, f"-I{folder}", *(f"-I{path}" for path in INCLUDE), "-o", program,
-                    HERE / "native_step.c", folder / "kernel.c", "-lm", "-ldl"], check=True)
+    cc(*COMPILE, f"-I{folder}", *(f"-I{path}" for path in INCLUDE), "-o", program,
+       HERE / "native_step.c", folder / "kernel.c", "-lm", "-ldl")
     done = subprocess.run([program, folder / "binaries" / "linux64" / f"{name}.so"], check=True,
                           capture_output=True, text=True)
     fmu, bare = map(float, done.stdout.split())

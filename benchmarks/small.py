@@ -1,6 +1,5 @@
 """Builds the small FMU of small.c, in the variants that tests and measurements need, and wires systems of it."""
 import hashlib
-import subprocess
 import sys
 import zipfile
 from pathlib import Path
@@ -8,6 +7,7 @@ from pathlib import Path
 import fmpy
 
 from cosim.master.system import Component, Connection, System, Value
+from fmus.native_compiler import cc
 
 REALS = ("a11", "a12", "a21", "a22", "b1", "b2", "c1", "c2", "d", "x1", "x2", "substeps", "fault_time", "longest",
          "u", "y", "y1", "y2")
@@ -61,7 +61,7 @@ def library(folder: Path) -> Path:
     if not built.exists():
         folder.mkdir(parents=True, exist_ok=True)
         headers = Path(fmpy.__file__).parent / "c-code"
-        subprocess.run(["gcc", "-O2", "-shared", "-fPIC", "-w", f"-I{headers}", source, "-o", built], check=True)
+        cc("-O2", "-shared", "-fPIC", "-w", f"-I{headers}", source, "-o", built)
     return built
 
 

@@ -16,12 +16,13 @@ from pathlib import Path
 
 import fmpy
 import numpy as np
-from native_step import COMPILER, HERE, INCLUDE, STEP
+from native_step import HERE, INCLUDE, STEP
 
 from fmus.build import DIST
+from fmus.native_compiler import COMPILE, cc
 
 PASSES = 3
-LAWS = ("AhvController", "AhvBackstepping")
+LAWS = ("AhvController", "AhvResilient", "AhvBackstepping")
 OUTPUTS = ("fuel_ratio", "elevator")
 # How far each input wanders around its start: ft/s, ft, rad, rad, rad/s; ft/s, ft.
 SWING = {"V": 0.5, "h": 2.0, "gamma": 2e-4, "theta": 0.001, "Q": 0.001, "V_command": 0.5, "h_command": 2.0}
@@ -44,8 +45,8 @@ def measure(name: str, steps: int) -> dict[str, float]:
             f"#define OUTPUTS {array(of[n].valueReference for n in OUTPUTS)}",
             f"#define START {array(of[n].start for n in SWING)}", f"#define SWING {array(SWING.values())}", ""]))
         program = folder / "worst_step"
-        subprocess.run([*COMPILER, f"-I{folder}", *(f"-I{path}" for path in INCLUDE), "-o", program,
-                        HERE / "worst_step.c", "-lm", "-ldl"], check=True)
+        cc(*COMPILE, f"-I{folder}", *(f"-I{path}" for path in INCLUDE), "-o", program,
+           HERE / "worst_step.c", "-lm", "-ldl")
         passes = [subprocess.run([program, folder / "binaries" / "linux64" / f"{name}.so", str(steps)], check=True,
                                  capture_output=True) for _ in range(PASSES)]
     costs = np.array([np.frombuffer(done.stdout, np.int32) / 1000 for done in passes])

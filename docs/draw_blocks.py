@@ -274,8 +274,9 @@ def draw_block(axes: Axes, block: Block) -> None:
 
 
 def draw(blocks: dict[str, Block], arrows: list[Arrow]) -> Figure:
-    xs, ys = [b.x for b in blocks.values()], [b.y for b in blocks.values()]
-    left, right, low, high = min(xs) - 0.5, max(xs) + 0.4, min(ys) - 0.6, max(ys) + 1.2
+    xs = [b.x for b in blocks.values()]
+    ys = [b.y for b in blocks.values()] + [y for arrow in arrows for _, y in corners(blocks, arrow)]
+    left, right, low, high = min(xs) - 0.5, max(xs) + 0.4, min(ys) - 0.6, max(ys) + 0.5
     figure = Figure(figsize=((right - left) * SCALE, (high - low) * SCALE))
     axes = figure.add_axes((0, 0, 1, 1))
     for block in blocks.values():

@@ -1,4 +1,5 @@
 """What `ahv linearize` tells: the vehicle alone and under a controller, about a trim, as plain data."""
+from collections.abc import Callable
 from types import ModuleType
 from typing import Any
 
@@ -27,10 +28,11 @@ def preset_gains(law: ModuleType, preset: str) -> dict[str, Any]:
 
 
 def linear_report(plant: ModuleType, law: ModuleType, gains: dict[str, Any], V: float, h: float, step: float,
-                  scale: dict[str, float], parameters: dict[str, Any]) -> dict[str, Any]:
+                  scale: dict[str, float], parameters: dict[str, Any], margins_at: Callable[[Linear], Any]
+                  ) -> dict[str, Any]:
     """Open loop: continuous, with zeros. Closed loop: sampled every `step` seconds as it flies, poles as those of the
-    continuous system with the same samples; margins at each actuator and sensor. The arguments are those of
-    `linear_loop`, and so is what it raises."""
+    continuous system with the same samples; margins at each actuator and sensor, which `margins_at` takes
+    from the loop cut there. The other arguments are those of `linear_loop`, and so is what it raises."""
     alone = linear_vehicle(plant, V, h, scale, **parameters)
     loop = linear_loop(plant, law, gains, V, h, step, scale, parameters)
     closed = loop.cut()
@@ -43,5 +45,5 @@ def linear_report(plant: ModuleType, law: ModuleType, gains: dict[str, Any], V: 
                       "zeros": {f"{i} to {o}": roots(alone.zeros(i, o)) for i, o in ZEROS}},
         "closed_loop": {**matrices(closed), "stable": stable, "abscissa": float(closed.poles.real.max()),
                         "poles": roots(closed.poles)},
-        "margins": {name: m.as_dict() for name, m in loop.margins().items()} if stable else None,
+        "margins": {name: margins_at(cut).as_dict() for name, cut in loop.cuts().items()} if stable else None,
     }

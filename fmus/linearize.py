@@ -23,7 +23,6 @@ import scipy.linalg
 
 from . import floats, symbols
 from .interface import computed, internal_steps, names, variables
-from .margins import Margins, frequencies, margins, response
 from .trace import symbol_namespace, trace_model
 
 Array = npt.NDArray[Any]
@@ -235,16 +234,10 @@ class Loop:
         states = [*STATES, *(f"controller[{i}]" for i in range(nz))]
         return Linear(A, B, C, D, states, inputs, outputs, self.step)
 
-    def margins(self) -> dict[str, Margins]:
-        """At each actuator and sensor, all other channels closed; `loop` 1 + L = 0 is the closed loop."""
-        omega = frequencies(self.step)
-        places: list[tuple[str, dict[str, int]]] = [*((n, {"actuator": i}) for i, n in enumerate(ACTUATORS)),
-                                                    *((n, {"sensor": i}) for i, n in enumerate(SENSORS))]
-        result = {}
-        for name, place in places:
-            cut = self.cut(**place)
-            result[name] = margins(omega, -response(cut.A, cut.B, cut.C, cut.D, omega, self.step)[:, 0, 0])
-        return result
+    def cuts(self) -> dict[str, Linear]:
+        """The loop cut at each actuator and sensor in turn, all other channels closed."""
+        return {**{name: self.cut(actuator=i) for i, name in enumerate(ACTUATORS)},
+                **{name: self.cut(sensor=i) for i, name in enumerate(SENSORS)}}
 
 
 def linear_loop(plant: ModuleType, law: ModuleType, gains: dict[str, Any], V: float, h: float, step: float = 0.01,

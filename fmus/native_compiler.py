@@ -13,6 +13,7 @@ from .pack import digest
 CACHE = Path(__file__).parent / "dist" / ".cache"
 ZIG_CACHE = Path(__file__).parent / "dist" / ".zig-cache"
 WINDOWS = Path(__file__).parent / "wrapper" / "windows"
+LINUX = "x86_64-linux-gnu.2.17"  # of 2012: any Linux in use has at least this C library
 
 # The same floating point everywhere, and the same as Python's: no contraction, no fast mathematics.
 COMPILE = ["-std=c99", "-O2", "-ffp-contract=off", "-fvisibility=hidden", "-fPIC", "-g0"]
@@ -24,7 +25,13 @@ def compiler_version() -> str:
     try:
         return version("ziglang")
     except PackageNotFoundError:
-        raise RuntimeError("The native flavour needs a C compiler for all platforms: pip install ziglang") from None
+        raise ModuleNotFoundError("The native flavour needs a C compiler for all platforms: pip install ziglang",
+                                  name="ziglang") from None
+
+
+def cc(*arguments: str | Path, target: str = LINUX) -> None:
+    """Run the C compiler with `arguments`. Raises RuntimeError with what it said if it fails."""
+    zig(Path(), "cc", "-target", target, *map(str, arguments))
 
 
 def zig(folder: Path, *arguments: str) -> None:

@@ -6,7 +6,7 @@ import fmpy
 
 from .description import Flavour
 from .native_code import generated_sources
-from .native_compiler import library, universal
+from .native_compiler import LINUX, library, universal
 from .trace import Trace
 
 WRAPPER = Path(__file__).parent / "wrapper"
@@ -17,7 +17,7 @@ FLAVOUR = Flavour({"canGetAndSetFMUstate": "true", "canSerializeFMUstate": "true
 
 # Folder in binaries/ -> (target, suffix).
 PLATFORMS = {
-    "linux64": ("x86_64-linux-gnu.2.17", ".so"),
+    "linux64": (LINUX, ".so"),
     "win64": ("x86_64-windows-gnu", ".dll"),
     "darwin64": ("x86_64-macos", ".dylib"),
 }

@@ -14,6 +14,17 @@ settings.register_profile("ci", deadline=None, derandomize=True)
 settings.load_profile("ci" if os.environ.get("CI") else "here")
 
 
+def pytest_addoption(parser):
+    parser.addoption("--no-skips", action="store_true", help="Fail the run if a test was skipped.")
+
+
+def pytest_sessionfinish(session):
+    reporter = session.config.pluginmanager.get_plugin("terminalreporter")
+    if session.config.getoption("--no-skips") and reporter.stats.get("skipped") and not session.exitstatus:
+        reporter.write_line("\n--no-skips: tests were skipped, so the run fails.", red=True)
+        session.exitstatus = pytest.ExitCode.TESTS_FAILED
+
+
 @pytest.fixture(scope="session")
 def python_fmus() -> dict[str, Path]:
     """The Python flavour's files, by model name."""

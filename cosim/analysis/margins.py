@@ -4,10 +4,12 @@
 """
 from dataclasses import asdict, dataclass
 from math import pi
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
-Array = np.ndarray
+Array = npt.NDArray[Any]
 FREQUENCIES = 3000
 LOWEST = 1e-3  # rad/s
 REAL = 1e-6  # rad
@@ -27,6 +29,7 @@ class Margins:
     crossover: float | None
 
     def as_dict(self) -> dict[str, float | None]:
+        """The margins by name."""
         return asdict(self)
 
 
@@ -72,3 +75,10 @@ def margins(omega: Array, loop: Array) -> Margins:
 def frequencies(step: float) -> Array:
     """rad/s, shape (FREQUENCIES,), up to half the sampling frequency."""
     return np.geomspace(LOWEST, pi / step, FREQUENCIES)
+
+
+def margins_at(cut: Any) -> Margins:
+    """Margins of a loop that is cut at one place: `cut` has the sampled A, B, C, D from what is put in after the cut to
+    what arrives before it, and the `step` in s."""
+    omega = frequencies(cut.step)
+    return margins(omega, -response(cut.A, cut.B, cut.C, cut.D, omega, cut.step)[:, 0, 0])

@@ -1,4 +1,4 @@
-"""A loop is flown to its equilibrium. There each component is flown alone, and its answers to pulses are recorded.
+"""A loop is flown to its equilibrium; there each component is flown alone and its answers to pulses are recorded.
 
 The FMUs need no optional capability. One that can save its state is restored for each pulse; any other is loaded and
 flown to the equilibrium again.
@@ -163,7 +163,7 @@ def answers(rest: Rest, component: str, inputs: list[str], needed: list[str], ho
     other continuous outputs that answer linearly.
 
     Each pulse is flown with both signs, and again with half the size. A linear answer halves; its even part is zero, or
-    falls to a quarter. Answers end where the deviation from that exceeds LINEAR, as those of an unstable component do.
+    falls to a quarter. Answers end where the deviation from that exceeds LINEAR, as an unstable component's must.
     Raises RunError if a needed output does not answer even the smallest pulse linearly.
     """
     file, links = rest.files[component], {link.target: link for link in rest.system.connections}
@@ -181,7 +181,7 @@ def answers(rest: Rest, component: str, inputs: list[str], needed: list[str], ho
                 fits = linear_until(values, errors, NOISE * large / (size * unit))
                 in_all = np.flatnonzero(fits[:, :len(needed)].all(axis=1))
                 kept = int(in_all[-1]) + 1 if len(in_all) else 0
-                tried.append((values[:kept], errors[:kept], fits[kept - 1]))
+                tried.append((values[:kept], errors[:kept], fits[kept - 1] if kept else False))
                 if kept >= ENOUGH * horizon:
                     break
             values, errors, fit = max(tried, key=lambda one: len(one[0]))
@@ -202,7 +202,7 @@ def continuous_real(file: FmuFile, name: str) -> bool:
 
 
 def answer(alone: Alone, name: str, size: float, still: Array) -> tuple[Array, Array]:
-    """The outputs' answer to a pulse of `size`, divided by the size, and its errors; both of shape (ticks, outputs)."""
+    """The outputs' answer to a pulse of `size`, divided by the size, and its errors; both (ticks, outputs)."""
     flights = [alone.fly(name, part * size) for part in (1.0, -1.0, 0.5, -0.5)]
     length = min(len(flight) for flight in (*flights, still))
     up, down, half_up, half_down = (flight[:length] - still[:length] for flight in flights)

@@ -1,9 +1,9 @@
 """A state space from answers to pulses: the eigensystem realisation algorithm.
 
 Juang and Pappa (J. Guidance 8, 1985), after Ho and Kalman: the matrix of the answers at ticks i + j has as many
-singular values as there are states that an input moves and an output shows. Two choices are ours. The ticks i and j
-are spaced geometrically, so that a small matrix covers fast and slow modes. Each output and input is scaled by its
-errors; then the states are the singular values above the norm of the same matrix of errors.
+singular values as there are states that an input moves and an output shows. Two choices are ours. The ticks i and j are
+spaced geometrically, so that a small matrix covers fast and slow modes. Each output and input is scaled by its errors;
+then the states are counted by the singular values above the norm of the same matrix of errors.
 """
 import numpy as np
 

@@ -3,9 +3,9 @@
 The loop is flown until it is at rest. Then each component is flown alone and its answers to small pulses are recorded
 (`pulses`); a state space is found from them (`realise`); and these are connected as the components fly (`connected`).
 
-Limits of the method. A state that no input moves, or that no continuous Real output shows, is not found, and its
-poles are not either. Connections of other types (Integer, Boolean, String, discrete Reals) stay as they are at rest.
-Poles that decay to 1e-4 within one communication step are left out.
+Limits of the method. A state that no input moves, or that no continuous Real output shows, is not found; nor is its
+pole. Connections of other types (Integer, Boolean, String, discrete Reals) stay as they are at rest. Poles that decay
+to 1e-4 within one communication step are left out.
 """
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
@@ -20,7 +20,7 @@ from ..master.loaded import open_files
 from ..master.system import Connection, System
 from ..master.wiring import checked_connections
 from .connected import connected
-from .margins import frequencies, margins, response
+from .margins import margins_at
 from .pulses import Answers, Rest, answers, at_rest, continuous_real
 from .realise import realise
 from .statespace import StateSpace, continuous, nyquist, poles, roots, zeros
@@ -56,13 +56,13 @@ def linearize(system: System, actuators: Sequence[str], sensors: Sequence[str], 
     if not 0 < step < float("inf") or not step < settle < float("inf") or horizon < 100:
         raise UsageError(f"step = {step:g} s, settle = {settle:g} s and horizon = {horizon} do not fit: the step must "
                          f"be positive, settle longer than the step, and the horizon at least 100 steps.")
+    if not actuators or not sensors:
+        raise UsageError("A loop needs at least one actuator signal and one sensor signal to be linearised.")
     with open_files(system) as files:
         links = [link for link in checked_connections(system, files).values() if moves(files, link)]
-        for signal in (*actuators, *sensors, *commands):
-            if all(signal != link.source for link in links):
-                raise UsageError(f"{signal} is not a continuous Real output that is connected.")
         order = [n for group in step_order(system, files, {k.target: k for k in system.connections}) for n in group]
         links = live(links, [*actuators, *sensors], commands)
+        check_signals(links, actuators, sensors, commands)
         rest = at_rest(system, files, sorted({link.source for link in links}), step, settle, horizon)
         for signal in actuators:
             check_limits(rest, signal, links)
@@ -100,6 +100,18 @@ def live(links: Sequence[Connection], signals: Iterable[str], commands: Iterable
                     ((of(k.source), of(k.target)) for k in links))
     behind = reached(own, ((of(k.target), of(k.source)) for k in links))
     return [k for k in links if of(k.target) in behind and (of(k.source) in ahead or k.source in commands)]
+
+
+def check_signals(links: Sequence[Connection], actuators: Sequence[str], sensors: Sequence[str],
+                  commands: Sequence[str]) -> None:
+    """Raise UsageError for a signal that is not part of the loop, or a sensor that no actuator moves."""
+    for signal in (*actuators, *sensors, *commands):
+        if all(signal != link.source for link in links):
+            raise UsageError(f"{signal} is not a continuous Real output that is connected within the loop.")
+    for signal in sensors:
+        if of(signal) not in driven(links, actuators, sensors):
+            raise UsageError(f"The sensor {signal} shows nothing that an actuator drives: no connections lead from "
+                             f"{', '.join(actuators)} to {of(signal)}.")
 
 
 def check_limits(rest: Rest, signal: str, links: Sequence[Connection]) -> None:
@@ -149,13 +161,8 @@ def described(parts: dict[str, StateSpace], links: Sequence[Connection], actuato
     smooth = continuous(alone) or alone
     closed = named(connected(parts, links, commands, [*sensors, *actuators]), names)
     stable = bool(np.abs(np.linalg.eigvals(closed.A)).max() < 1)
-    found = {}
-    if stable:
-        omega = frequencies(closed.step)
-        for signal in (*actuators, *sensors):
-            cut = connected(parts, links, [signal], [signal])
-            loop = -response(cut.A, cut.B, cut.C, cut.D, omega, cut.step)[:, 0, 0]
-            found[names[signal]] = margins(omega, loop).as_dict()
+    found = {names[signal]: margins_at(connected(parts, links, [signal], [signal])).as_dict()
+             for signal in (*actuators, *sensors)} if stable else None
     fastest = nyquist(closed.step)
     return {
         "open_loop": {**smooth.as_dict(), "poles": roots(poles(alone)),
@@ -163,7 +170,7 @@ def described(parts: dict[str, StateSpace], links: Sequence[Connection], actuato
                                 for i in smooth.inputs for o in smooth.outputs[:len(sensors)]}},
         "closed_loop": {**closed.as_dict(), "stable": stable, "abscissa": float(poles(closed).real.max()),
                         "poles": roots(poles(closed))},
-        "margins": found if stable else None,
+        "margins": found,
     }
 
 

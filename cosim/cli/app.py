@@ -41,6 +41,8 @@ def main() -> None:
         sys.exit(complain(error, 2))
     except RunError as error:
         sys.exit(complain(error, 1))
+    except ModuleNotFoundError as error:
+        sys.exit(complain(f"{error}. `make setup` installs all packages.", 2))
 
 
 def with_factor(words: list[str]) -> list[str]:

@@ -14,7 +14,7 @@ def compare(
     scenario: ScenarioWord,
     controller: Annotated[list[str], typer.Option(metavar="NAME|NAME=FILE.fmu", help=f"{', '.join(LAWS)}, or any FMU "
                                                   "with the same ports; else all of ours. Can be repeated.")] = [],  # noqa: B006
-    flavour: Flavour = "native",
+    flavour: Flavour = None,
     plant: Plant = "ideal",
     step: Step = 0.01,
     stop: Stop = None,

@@ -26,7 +26,7 @@ def run(
     scenario: ScenarioWord,
     controller: Controller = "neural",
     preset: Preset = None,
-    flavour: Flavour = "native",
+    flavour: Flavour = None,
     plant: Plant = "ideal",
     step: Step = 0.01,
     stop: Stop = None,

@@ -14,7 +14,7 @@ def ssp(
     scenario: ScenarioWord = "case1",
     controller: Controller = "neural",
     preset: Preset = None,
-    flavour: Flavour = "native",
+    flavour: Flavour = None,
     plant: Plant = "ideal",
     step: Annotated[float, typer.Option(help="Communication step to suggest, s.")] = 0.01,
     uncertainty: Uncertainty = None,

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..errors import RunError, UsageError, did_you_mean
 from .algorithms import Method, method
-from .algorithms.base import Experiment
+from .algorithms.base import Algorithm, Experiment
 from .fmu import Instance
 from .loaded import Master, open_files
 from .pace import Pace
@@ -177,12 +177,12 @@ def fly_loaded(master: Master, chosen: Method, step: float, ticks: int, progress
     """The same with FMUs that are loaded, or were reset (`Master.reset`)."""
     began = time.perf_counter() if began is None else began
     recorder = recorder or Recorder(master.columns)
-    plan = Experiment(0.0, step, ticks, recorder, decimate)
+    experiment = Experiment(0.0, step, ticks, recorder, decimate)
     try:
         if real_time is not None and not 0 < real_time < float("inf"):
             raise UsageError(f"--real-time {real_time:g} must be a positive number.")
-        flier = chosen.algorithm(master, chosen.options, plan)
-        master.initialise(0.0, plan.stop)
+        running = chosen.algorithm(master, chosen.options, experiment)
+        master.initialise(0.0, experiment.stop)
         flight = Flight(time=np.empty(0), signals=np.empty((0, len(master.columns))), columns=master.columns,
                         finished=False, message="", startup_s=0.0, wall_s=0.0,
                         parameters={i.name: inquire(i) for i in master.instances}, fmus=origins(master))
@@ -195,30 +195,30 @@ def fly_loaded(master: Master, chosen: Method, step: float, ticks: int, progress
         raise
     pace = Pace(real_time, step) if real_time else None
     began = time.perf_counter()
-    flight.message = ascend(flier, plan, progress, pace)
+    flight.message = advance(running, experiment, progress, pace)
     flight.wall_s = time.perf_counter() - began
     flight.time, flight.signals = recorder.finish()
-    flight.finished, flight.ticks = not flight.message, flier.ticks
+    flight.finished, flight.ticks = not flight.message, running.ticks
     flight.lateness = pace.report() if pace else None
     return flight
 
 
-def ascend(flier: Any, plan: Experiment, progress: Progress | None, pace: Pace | None) -> str:
+def advance(algorithm: Algorithm, experiment: Experiment, progress: Progress | None, pace: Pace | None) -> str:
     """Advance to the stop in chunks of about CHUNK_S; why it ended early, or an empty text."""
-    most, limit = 16, CHUNK_ROWS * plan.decimate
+    most, limit = 16, CHUNK_ROWS * experiment.decimate
     with interruptions() as interrupted:
         try:
-            while not flier.done:
+            while not algorithm.done:
                 if interrupted:
-                    return f"Interrupted at t = {flier.time:.6g} s."
+                    return f"Interrupted at t = {algorithm.time:.6g} s."
                 if pace:
-                    pace.wait(flier.time, interrupted)
+                    pace.wait(algorithm.time, interrupted)
                 chunk = time.perf_counter()
-                flier.advance(1 if pace else most)
+                algorithm.advance(1 if pace else most)
                 took = time.perf_counter() - chunk
                 most = max(1, min(int(most * min(4.0, CHUNK_S / max(took, 1e-9))), limit))
                 if progress:
-                    progress(flier.time)
+                    progress(algorithm.time)
         except RunError as error:
             return str(error)
     return ""

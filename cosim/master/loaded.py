@@ -4,6 +4,7 @@ The algorithms (`algorithms`) say what to do on a tick, as programs; `flight` fl
 """
 from collections.abc import Iterator
 from contextlib import contextmanager
+from importlib.util import find_spec
 from typing import Protocol
 
 import numpy as np
@@ -14,8 +15,7 @@ from . import program as P
 from .fmu import FmuFile, Instance
 from .initialise import initialise
 from .system import System, Value
-from .wiring import LONGEST_TEXT, Wirer, Wiring, checked_connections, recorded_names
-from .wiring import Signal as Signal  # `flight` takes it from here
+from .wiring import LONGEST_TEXT, Signal, Wirer, Wiring, checked_connections, recorded_names
 
 CALLS = {P.SET: "fmi2Set{}", P.PREDICT: "fmi2Set{}", P.SLOPE: "fmi2SetRealInputDerivatives", P.GET: "fmi2Get{}",
          P.STEP: "fmi2DoStep", P.SAVE: "fmi2GetFMUstate", P.RESTORE: "fmi2SetFMUstate"}
@@ -179,8 +179,8 @@ NO_ROWS, NO_TIMES = np.empty((0, 0)), np.empty(0)
 
 
 def make_loop(plain: bool, wiring: Wiring) -> Loop:
-    """The tick loop: in Python if `plain`, else compiled."""
-    if plain:
+    """The tick loop: in Python if `plain` or without numba, else compiled; the numbers are the same."""
+    if plain or find_spec("numba") is None:
         from . import loop_plain
         return loop_plain.Loop(wiring)
     from . import loop_compiled  # imports numba, which is slow

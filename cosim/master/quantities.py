@@ -15,8 +15,8 @@ def in_unit_of(variable: ScalarVariable, description: ModelDescription, text: st
     Known are the variable's unit, its display units, and the units of the FMU that measure the same. `full` names the
     variable in messages. Raises UsageError for another unit.
     """
-    found = QUANTITY.fullmatch(text)
-    if found is None or variable.type != "Real":
+    found = None if is_number(text) or variable.type != "Real" else QUANTITY.fullmatch(text)
+    if found is None:
         return text
     number, unit = float(found[1]), found[2]
     own = variable.unit or getattr(variable.declaredType, "unit", None)
@@ -26,6 +26,15 @@ def in_unit_of(variable: ScalarVariable, description: ModelDescription, text: st
         raise UsageError(f"{full} = {text} is not allowed: {allowed}.")
     factor, offset = known[unit]
     return repr(factor * number + offset)
+
+
+def is_number(text: str) -> bool:
+    """Whether `text` is a number by itself: the e of 1e-4 is no unit."""
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
 
 
 def conversions(description: ModelDescription, own: str | None) -> dict[str, tuple[float, float]]:

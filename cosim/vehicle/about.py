@@ -6,7 +6,7 @@ from ..errors import UsageError, did_you_mean
 from ..master.info import FmuInfo, info
 from ..text import text_table
 from . import scenarios
-from .closed_loop import closed_loop, fmu_path
+from .closed_loop import closed_loop, flavour_of, fmu_path
 from .registry import LAWS, PLANTS, SCENARIO
 from .scenarios import BUILT_IN
 
@@ -40,11 +40,12 @@ class ScenarioInfo:
         return "\n".join(lines)
 
 
-def about(word: str, flavour: str = "native") -> FmuInfo | ScenarioInfo:
+def about(word: str, flavour: str | None = None) -> FmuInfo | ScenarioInfo:
     """What `word` is: an FMU file, a component of the loop, a law, a plant, a built-in scenario or a scenario file.
 
     Raises UsageError if it is none of these.
     """
+    flavour = flavour_of(flavour)
     if word in COMPONENTS:
         return info(fmu_path(flavour, COMPONENTS[word].fmu))
     if word in BUILT_IN or word.endswith((".yaml", ".yml")):

@@ -48,6 +48,7 @@ class ClosedLoop:
     system: System
     controller: str
     plant: str
+    flavour: str
     presets: dict[str, str]        # component -> preset
     preset_from: dict[str, str]    # component -> command line, scenario or default
     foreign: bool                  # whether somebody else's FMU is in it, which may crash
@@ -64,6 +65,13 @@ def choice(option: str, value: str, allowed: Iterable[str]) -> str:
     if value not in allowed:
         raise UsageError(f"--{option} {value} is not known; there are {', '.join(allowed)}.")
     return value
+
+
+def flavour_of(word: str | None) -> str:
+    """`word` itself, or without one the flavour to fly: native where it is built, else python. Raises UsageError for
+    an unknown one."""
+    built = (DIST / "native" / f"{SCENARIO.fmu}.fmu").is_file()
+    return choice("flavour", word or ("native" if built else "python"), FLAVOURS)
 
 
 def fmu_path(flavour: str, model: str) -> Path:
@@ -137,19 +145,21 @@ def merged(*layers: Values) -> Values:
     return result
 
 
-def closed_loop(scenario: Scenario, controller: str = "neural", plant: str = "ideal", flavour: str = "native",
+def closed_loop(scenario: Scenario, controller: str = "neural", plant: str = "ideal", flavour: str | None = None,
                 presets: Mapping[str, str] | None = None, values: Values | None = None,
                 uncertainty: float | None = None, folder: Path = Path()) -> ClosedLoop:
     """The loop that flies `scenario`.
 
     `controller` and `plant` are words of the registry, or anybody's FMUs as NAME=FILE.fmu, relative to `folder`.
-    `presets` (component -> name) and `values` stand over those of the scenario. `uncertainty` is the amplitude of
+    `presets` (component -> name) and `values` stand over those of the scenario. `flavour` None is native where it is
+    built. `uncertainty` is the amplitude of
     the coefficients that the scenario lets swing.
 
     Raises UsageError for what is not known or does not fit.
     """
-    from ..master.fmu import preset  # fmpy takes its time
+    from ..master.fmu import preset  # fmpy is slow to import
 
+    flavour = flavour_of(flavour)
     parts = {"scenario": Choice("scenario", fmu_path(flavour, SCENARIO.fmu), SCENARIO.preset),
              "controller": chosen("controller", controller, LAWS, flavour, folder),
              "plant": chosen("plant", plant, PLANTS, flavour, folder)}
@@ -166,7 +176,8 @@ def closed_loop(scenario: Scenario, controller: str = "neural", plant: str = "id
     components = {c: Component(c, part.fmu, flown.get(c, {})) for c, part in parts.items()}
     foreign = {c for c, part in parts.items() if not part.ours}
     links, notes = fitting(components, foreign) if foreign else (LINKS, [])
-    return ClosedLoop(wired(**components, links=links), parts["controller"].name, parts["plant"].name, names, said_by,
+    return ClosedLoop(wired(**components, links=links), parts["controller"].name, parts["plant"].name, flavour, names,
+                      said_by,
                       bool(foreign), notes)
 
 
@@ -258,7 +269,7 @@ def ports_of(path: Path) -> dict[str, tuple[str, str]]:
 @contextmanager
 def opened(path: Path) -> Iterator["FmuFile"]:
     """The FMU at `path`, extracted for as long as the context lasts. Raises UsageError for no such FMU."""
-    from ..master.fmu import FmuFile  # fmpy takes its time
+    from ..master.fmu import FmuFile  # fmpy is slow to import
 
     file = FmuFile.open(path)
     try:

@@ -20,7 +20,7 @@ from ..master.isolated import launch
 from ..master.results import prepare_folder
 from ..master.system import System
 from . import scenarios
-from .closed_loop import ClosedLoop, closed_loop
+from .closed_loop import ClosedLoop, closed_loop, flavour_of
 from .figures import Panel, available
 from .metrics import metrics
 from .registry import LAWS
@@ -123,7 +123,7 @@ def shown(column: str) -> str:
 
 
 def compare(scenario: str | Scenario, controllers: list[str] | None = None, plant: str = "ideal",
-            flavour: str = "native", step: float = 0.01, stop: float | None = None, out: Path | None = None
+            flavour: str | None = None, step: float = 0.01, stop: float | None = None, out: Path | None = None
             ) -> tuple[dict[str, Any], dict[str, Flight], list[str]]:
     """Fly `controllers` (words of the registry or anybody's FMUs as NAME=FILE.fmu; none: all of ours) on one scenario.
 
@@ -131,6 +131,7 @@ def compare(scenario: str | Scenario, controllers: list[str] | None = None, plan
     `out`, else to results/compare_SCENARIO. Raises what `run` raises.
     """
     plan = scenarios.load(scenario) if isinstance(scenario, str) else scenario
+    flavour = flavour_of(flavour)
     folder = out or Path("results") / f"compare_{plan.name}"
     prepare_folder(folder)
     loops = loops_of(plan, controllers or [], plant, flavour)

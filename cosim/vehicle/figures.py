@@ -3,7 +3,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from matplotlib.figure import Figure  # without pyplot, which takes its time and keeps every figure
+from matplotlib.figure import Figure  # without pyplot, which is slow to import and keeps every figure
 
 from ..master.flight import Flight
 from .signals import known, signal

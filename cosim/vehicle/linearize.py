@@ -39,12 +39,14 @@ def from_models(controller: str, preset: str, V: float, h: float, scale: float, 
     from fmus.linear_report import linear_report, preset_gains
     from fmus.linearize import NoTrim
 
+    from ..analysis.margins import margins_at
+
     law, plant = import_module(LAWS[controller].module), import_module(PLANTS["ideal"].module)
     given = {name: {k: float(v) for k, v in pairs.items()} for name, pairs in values.items()}
     try:
         gains = preset_gains(law, preset)
         found = linear_report(plant, law, {**gains, **given.get("controller", {})}, V, h, step,
-                              dict.fromkeys(GROUPS, scale), given.get("plant", {}))
+                              dict.fromkeys(GROUPS, scale), given.get("plant", {}), margins_at)
     except KeyError:
         raise UsageError(f"The {controller} controller has no preset {preset}.") from None
     except NoTrim as error:

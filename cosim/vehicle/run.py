@@ -23,7 +23,7 @@ class Run:
 
 
 def run(scenario: str | Scenario, controller: str = "neural", preset: Mapping[str, str] | str | None = None,
-        plant: str = "ideal", flavour: str = "native", step: float = 0.01, stop: float | None = None,
+        plant: str = "ideal", flavour: str | None = None, step: float = 0.01, stop: float | None = None,
         algorithm: str = "gauss-seidel", values: Values | None = None, uncertainty: float | None = None,
         decimate: int = 1, stream: bool = False, isolate: bool = False, time_limit: float | None = None,
         plain: bool = False, real_time: float | None = None, out: Path | None = None, progress: bool = False) -> Run:
@@ -49,17 +49,17 @@ def run(scenario: str | Scenario, controller: str = "neural", preset: Mapping[st
     with bar:
         flight = launch(loop.system, step, end, algorithm, tell if progress else None, isolate or loop.foreign,
                         time_limit, plain=plain, real_time=real_time, **options)
-    summary = {**said_of(plan, loop, flavour, algorithm, step, end), **shown_by(flight), "out": str(folder),
+    summary = {**said_of(plan, loop, algorithm, step, end), **shown_by(flight), "out": str(folder),
                **({"lateness": flight.lateness} if flight.lateness else {})}
     write(folder, flight, {**summary, "presets": presets_of(loop)}, decimate, stream)
     draw(folder, flight, plan, loop)
     return Run(flight, summary, folder, loop.notes)
 
 
-def said_of(plan: Scenario, loop: ClosedLoop, flavour: str, algorithm: str, step: float, stop: float
+def said_of(plan: Scenario, loop: ClosedLoop, algorithm: str, step: float, stop: float
             ) -> dict[str, Any]:
     """What run.json says of the request."""
-    return {"scenario": plan.name, "controller": loop.controller, "preset": loop.preset, "flavour": flavour,
+    return {"scenario": plan.name, "controller": loop.controller, "preset": loop.preset, "flavour": loop.flavour,
             "algorithm": algorithm, "step_s": step, "stop_s": stop}
 
 
@@ -77,7 +77,7 @@ def presets_of(loop: ClosedLoop) -> dict[str, dict[str, str]]:
 
 def draw(folder: Path, flight: Flight, plan: Scenario, loop: ClosedLoop) -> None:
     """The scenario's figures into `folder`."""
-    from .figures import write  # matplotlib takes its time
+    from .figures import write  # matplotlib is slow to import
 
     preset = f" ({loop.preset})" if loop.preset else ""
     write(folder, flight, f"{plan.name}, {loop.controller}{preset}", plan.first_figure)

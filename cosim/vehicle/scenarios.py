@@ -12,7 +12,7 @@ class Scenario(BaseModel):
     """A flight: how long, which presets, which values. Components are scenario, controller and plant."""
     model_config = ConfigDict(extra="forbid", frozen=True)
 
-    name: str = Field(pattern=r"^\w[\w.-]*$", max_length=100)
+    name: str = Field(pattern=r"^\w[\w .-]*$", max_length=100)
     stop: float = Field(gt=0, allow_inf_nan=False, description="s")
     presets: dict[str, str] = Field(default={}, description="component -> preset of its FMU")
     set: dict[str, float | bool | str] = Field(default={}, description="component.variable -> value")

@@ -1,18 +1,18 @@
 """Level flight, as the plant's FMU solves it."""
 from math import degrees
 
-from .closed_loop import fmu_path
+from .closed_loop import flavour_of, fmu_path
 from .registry import PLANTS
 
 
-def trim(V: float = 7700.0, h: float = 85000.0, flavour: str = "native") -> dict[str, float]:
+def trim(V: float = 7700.0, h: float = 85000.0, flavour: str | None = None) -> dict[str, float]:
     """The equilibrium at `V` (ft/s) and `h` (ft): angles in degrees, elastic coordinates, fuel ratio, residual.
 
     Raises UsageError for a start that the plant does not allow.
     """
     from ..master.fmu import FmuFile, Instance
 
-    file = FmuFile.open(fmu_path(flavour, PLANTS["ideal"].fmu))
+    file = FmuFile.open(fmu_path(flavour_of(flavour), PLANTS["ideal"].fmu))
     instance = None
     try:
         values = {name: file.checked(name, value, "plant") for name, value in (("V_start", V), ("h_start", h))}

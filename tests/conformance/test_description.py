@@ -7,7 +7,7 @@ from lxml import etree
 
 from cosim.errors import RunError
 from cosim.master.fmu import FmuFile, Instance
-from fmus.build import MODELS
+from cosim.vehicle.registry import MODELS
 
 ROOT = Path(__file__).parents[2]
 

@@ -5,8 +5,10 @@ import subprocess
 import sys
 
 import pytest
-from native_host import HEADERS, HOSTS, SANITIZE, WARNINGS, Unpacked, host, run, wiring, zig
+from native_host import HEADERS, HOSTS, STRICT, WARNINGS, Unpacked, host, run, sanitizer, wiring
 from native_loop import Recording, record
+
+from fmus.native_compiler import LINUX, ZIG_CACHE, cc
 
 LOOP = ["AhvScenario", "AhvController", "AhvPlant"]
 NO_PYTHON = {"PATH": "/nonexistent"}
@@ -54,7 +56,7 @@ def test_a_c_host_without_python_reproduces_the_reference(members, folder, refer
     assert int(rows) == 10001 and float(difference) < 1e-9
 
 
-@pytest.mark.skipif(not shutil.which("valgrind"), reason="no valgrind")
+@pytest.mark.skipif(not shutil.which("valgrind"), reason="no valgrind: apt-get install valgrind")
 @pytest.mark.parametrize(("seconds", "cycles"), [(20, 1), (0.05, 100), *(
     pytest.param(*long, marks=pytest.mark.slow) for long in [(100, 1), (0.1, 1000)])])
 def test_valgrind_has_nothing_to_report(members, loop, seconds, cycles):
@@ -62,13 +64,14 @@ def test_valgrind_has_nothing_to_report(members, loop, seconds, cycles):
         seconds, cycles)
 
 
-@pytest.fixture(scope="module")
-def sanitized(members, folder):
-    """The loop and its three libraries, made again under the sanitizers."""
-    (folder / "sanitized").mkdir()
-    shutil.copy(folder / "wiring.h", folder / "sanitized")
-    libraries = [m.compiled(folder / "sanitized" / f"{m.name}.so", *SANITIZE) for m in members]
-    return [host("loop", folder / "sanitized", *SANITIZE), *libraries]
+@pytest.fixture(scope="module", params=["undefined", "address"])
+def sanitized(request, members, folder):
+    """The loop and its three libraries, made again under a sanitizer."""
+    compiler, place = sanitizer(request.param), folder / request.param
+    place.mkdir()
+    shutil.copy(folder / "wiring.h", place)
+    return [host("loop", place, compiler=compiler),
+            *(m.compiled(place / f"{m.name}.so", compiler=compiler) for m in members)]
 
 
 def test_sanitizers_have_nothing_to_report_in_case_1(sanitized):
@@ -86,12 +89,13 @@ def test_memory_does_not_grow_over_the_cycles(members, loop):
     assert peak(10_000) - peak(100) < 500  # KB: less than pages laid out otherwise and far less than anything left
 
 
+@pytest.mark.parametrize("watched", ["undefined", "address"])
 @pytest.mark.parametrize(("model", "calls"), [("AhvController", 20_000), ("AhvPlant", 20_000), *(
     pytest.param(name, 1_000_000, marks=pytest.mark.slow) for name in LOOP)])
-def test_fuzzed_calls_are_refused_and_change_nothing(members, folder, model, calls):
+def test_fuzzed_calls_are_refused_and_change_nothing(members, folder, model, calls, watched):
     sources = members[LOOP.index(model)].folder / "sources"
-    program = folder / f"fuzz_{model}"
-    run("gcc", *WARNINGS, *SANITIZE, f"-I{sources}", "-o", program, HOSTS / "fuzz.c", sources / "all.c", "-lm")
+    program = folder / f"fuzz_{model}_{watched}"
+    sanitizer(watched)(*WARNINGS, f"-I{sources}", "-o", program, HOSTS / "fuzz.c", sources / "all.c", "-lm")
     said = run(program, 20261122, calls)
     assert said.startswith(f"{calls} calls")
 
@@ -108,7 +112,7 @@ def test_the_same_host_and_fmu_fly_on_windows(members, reference, tmp_path):
     controller = members[1]
     record_file = replay_file(tmp_path / "case1.txt", controller, reference)
     program = tmp_path / "replay.exe"
-    zig("x86_64-windows-gnu", f"-I{HEADERS}", "-o", program, HOSTS / "replay.c")
+    cc(*STRICT, f"-I{HEADERS}", "-o", program, HOSTS / "replay.c", target="x86_64-windows-gnu")
     said = run("wine", program, controller.library("win64", ".dll"), controller.guid, record_file,
                env={**os.environ, "WINEDEBUG": "-all", "WINEPREFIX": str(tmp_path / "wine")})
     rows, difference = said.split()
@@ -123,19 +127,26 @@ def test_the_sources_fly_on_an_arm_processor(members, reference, tmp_path):
     record_file = replay_file(tmp_path / "case1.txt", controller, reference)
     program = tmp_path / "replay.arm"
     sources = controller.folder / "sources"
-    zig("aarch64-linux-musl", "-static", "-DLINKED", f"-I{sources}", "-o", program, HOSTS / "replay.c",
-        sources / "all.c", "-lm")
+    cc(*STRICT, "-static", "-DLINKED", f"-I{sources}", "-o", program, HOSTS / "replay.c", sources / "all.c", "-lm",
+       target="aarch64-linux-musl")
     said = run("qemu-aarch64", program, "linked", controller.guid, record_file)
     rows, difference = said.split()
     assert int(rows) == 10001 and float(difference) < 1e-9
 
 
 def test_an_importer_can_compile_the_sources_again(native_fmus, tmp_path):
+    """fmpy with CMake, which finds zig as `cc`; it asks for a C++ compiler, too, and does not use it."""
+    (tmp_path / "bin").mkdir()
+    for name in ("cc", "c++"):
+        script = tmp_path / "bin" / name
+        script.write_text(f'#!/bin/sh\nexec "{sys.executable}" -m ziglang cc -target {LINUX} "$@"\n')
+        script.chmod(0o755)
     copy = tmp_path / "AhvController.fmu"
     shutil.copy(native_fmus["AhvController"], copy)
     tools = os.path.dirname(sys.executable)
     done = subprocess.run([os.path.join(tools, "fmpy"), "compile", str(copy)], capture_output=True, text=True,
-                          env={**os.environ, "PATH": f"{tools}:{os.environ['PATH']}"})
+                          env={**os.environ, "PATH": f"{tmp_path / 'bin'}:{tools}:{os.environ['PATH']}",
+                               "ZIG_GLOBAL_CACHE_DIR": str(ZIG_CACHE), "ZIG_LOCAL_CACHE_DIR": str(ZIG_CACHE)})
     assert done.returncode == 0, done.stdout + done.stderr
     again = Unpacked.of(copy, tmp_path)
     original = Unpacked.of(native_fmus["AhvController"], tmp_path / "original")

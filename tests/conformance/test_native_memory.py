@@ -7,7 +7,7 @@ import pytest
 BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
 
 
-@pytest.mark.parametrize("name", ["AhvController", "AhvBackstepping"])
+@pytest.mark.parametrize("name", ["AhvController", "AhvResilient", "AhvBackstepping"])
 def test_steps_allocate_nothing(native_fmus, monkeypatch, name):
     monkeypatch.syspath_prepend(BENCHMARKS)
     from worst_step import measure

@@ -5,7 +5,6 @@ import re
 import shlex
 import signal
 import subprocess
-import sys
 import time
 from contextlib import suppress
 from pathlib import Path
@@ -13,6 +12,7 @@ from pathlib import Path
 import pyarrow.parquet as pq
 import pytest
 import yaml
+from places import AHV
 from test_cases import ahv
 
 from cosim.campaign import engine
@@ -20,7 +20,6 @@ from cosim.campaign.plan import load
 from cosim.campaign.store import Store
 from cosim.campaign.worker import JOBS, fly_batch, requests
 
-AHV = Path(sys.executable).parent / "ahv"
 TABLES = ("runs.parquet", "signals.parquet", "errors.parquet")
 FILE = {
     "name": "small", "scenario": "case1", "controllers": ["neural", "backstepping"], "stop": 10, "runs": 24, "seed": 3,

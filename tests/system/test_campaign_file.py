@@ -1,8 +1,7 @@
 """A campaign file that is wrong: one sentence with line and field, before anything runs."""
-from pathlib import Path
-
 import pytest
 import yaml
+from places import ROOT
 
 from cosim.campaign.plan import load
 from cosim.errors import UsageError
@@ -98,7 +97,7 @@ def test_what_is_no_campaign_at_all_is_refused_too(text, tmp_path):
         plan(text, tmp_path)
 
 
-EXAMPLES = Path(__file__).parents[2] / "docs" / "campaigns"
+EXAMPLES = ROOT / "docs" / "campaigns"
 
 
 @pytest.mark.parametrize("file", sorted(EXAMPLES.glob("*.yaml")), ids=lambda file: file.stem)

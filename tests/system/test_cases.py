@@ -1,13 +1,11 @@
 """The paper's two cases, flown by the FMU files through the command line."""
 import json
 import subprocess
-from pathlib import Path
 
 import numpy as np
 import pyarrow.parquet
 import pytest
-
-AHV = Path(__file__).parent.parent.parent / ".venv" / "bin" / "ahv"
+from places import AHV
 
 
 def ahv(*words, cwd=None, status=0):

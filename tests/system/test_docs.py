@@ -11,6 +11,7 @@ import typer
 import yaml
 
 from cosim.cli.app import app
+from cosim.vehicle.registry import LAWS
 
 ROOT = Path(__file__).parents[2]
 AHV = Path(sys.executable).with_name("ahv")
@@ -63,6 +64,15 @@ def test_tests_that_the_pages_name_exist():
 def test_a_page_begins_with_what_its_reader_will_be_able_to_do(page):
     first = page.read_text().split("\n\n")[1]
     assert first.startswith(("After this page you ", "With this page you "))
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_every_law_has_its_page_and_block_diagram(law):
+    text = (ROOT / "docs" / "laws" / f"{law}.md").read_text()
+    assert f"{LAWS[law].fmu}.fmu" in text and f"../pictures/blocks_{law}.svg" in text
+    headings = ("Equations", "Start", "Saturation and anti-windup", "Saving the state", "Linearisation", "Real time",
+                "Why gains are `fixed`")
+    assert [heading for heading in headings if f"\n## {heading}\n" not in text] == []
 
 
 @pytest.mark.parametrize("name", SCENARIOS)

@@ -17,7 +17,7 @@ def compared(request, tmp_path_factory):
 
 def test_both_laws_fly_the_case_and_the_table_is_complete(compared):
     found, folder = compared
-    assert list(found["controllers"]) == ["neural", "neural, robust", "backstepping"]
+    assert list(found["controllers"]) == ["neural", "neural, robust", "resilient", "backstepping"]
     for row in found["controllers"].values():
         assert row["finished"] and row["departed_at_s"] is None
         assert 40 < row["altitude_settling_s"] < 60 and 40 < row["velocity_settling_s"] < 60
@@ -26,7 +26,7 @@ def test_both_laws_fly_the_case_and_the_table_is_complete(compared):
 
 
 def test_the_neural_law_tracks_altitude_better_the_rival_velocity(compared):
-    neural, robust, rival = compared[0]["controllers"].values()
+    neural, robust, _, rival = compared[0]["controllers"].values()
     for key in ("max_abs", "rms"):
         assert neural["altitude_error_ft"][key] < 0.8 * rival["altitude_error_ft"][key]
     for law in (neural, robust):
@@ -35,14 +35,14 @@ def test_the_neural_law_tracks_altitude_better_the_rival_velocity(compared):
 
 
 def test_with_the_same_cost_and_budget_the_two_laws_are_close_in_altitude(compared):
-    _, robust, rival = compared[0]["controllers"].values()
+    _, robust, _, rival = compared[0]["controllers"].values()
     for key in ("max_abs", "rms"):
         assert robust["altitude_error_ft"][key] == pytest.approx(rival["altitude_error_ft"][key], rel=0.25)
     assert robust["elevator_deg"]["travel"] < rival["elevator_deg"]["travel"]
 
 
 def test_the_neural_law_costs_more_per_step(compared):
-    neural, _, rival = compared[0]["controllers"].values()
+    neural, _, _, rival = compared[0]["controllers"].values()
     assert neural["cost_per_step_us"] > rival["cost_per_step_us"]
     assert neural["states"] > rival["states"]
 

@@ -3,7 +3,6 @@
 What differs is the clock only: libcosim counts nanoseconds, ecos adds up steps, ours multiplies. With their clocks our
 master gives their numbers to the last bit; so does fmucontainer, whose clock is ours.
 """
-import os
 import re
 import subprocess
 import sys
@@ -12,8 +11,10 @@ from pathlib import Path
 
 import fmpy
 import numpy as np
+import peers
 import pyarrow.parquet
 import pytest
+from places import ROOT
 from test_cases import ahv
 
 HERE = Path(__file__).parent
@@ -33,7 +34,7 @@ def theirs(master, ssp, stop, names, folder):
     out = folder / f"{master}.npz"
     words = [sys.executable, HERE / "foreign.py", master, ssp, STEP, stop, out, *names]
     done = subprocess.run([str(w) for w in words], capture_output=True, text=True, timeout=300, cwd=folder,
-                          env={**os.environ, "TMPDIR": str(folder)})   # where ecos leaves a folder behind
+                          env={**peers.environment(), "TMPDIR": str(folder)})   # where ecos leaves a folder behind
     assert done.returncode == 0, done.stderr[-2000:]
     return np.load(out)["rows"]
 
@@ -90,7 +91,7 @@ def test_the_handmade_system_is_the_oscillator_that_it_says(handmade, tmp_path):
     assert np.abs(rows[:, names.index("mass.position")] - exact).max() < 0.1   # two Jacobi steps late at 10 ms
 
 
-PAGE = HERE.parent.parent / "docs" / "using-the-controller.md"
+PAGE = ROOT / "docs" / "using-the-controller.md"
 EXAMPLES = [text for text in re.findall(r"```python\n(.*?)```", PAGE.read_text(), re.DOTALL)
             if "OMSimulator" not in text]   # which cannot be installed here
 
@@ -98,9 +99,9 @@ EXAMPLES = [text for text in re.findall(r"```python\n(.*?)```", PAGE.read_text()
 @pytest.mark.parametrize("text", EXAMPLES, ids=["libcosim", "ecos", "fmucontainer", "fmpy"])
 def test_the_examples_of_the_page_run(text, tmp_path):
     ahv("ssp", "case1", "--out", tmp_path / "case1.ssp")
-    (tmp_path / "fmus").symlink_to(HERE.parent.parent / "fmus")
+    (tmp_path / "fmus").symlink_to(ROOT / "fmus")
     done = subprocess.run([sys.executable, "-c", text], cwd=tmp_path, capture_output=True, text=True, timeout=300,
-                          env={**os.environ, "TMPDIR": str(tmp_path)})
+                          env={**peers.environment(), "TMPDIR": str(tmp_path)})
     assert done.returncode == 0, done.stderr
 
 

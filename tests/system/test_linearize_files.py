@@ -1,11 +1,16 @@
 """Our closed loops linearised from their FMU files alone, against the matrices of the models behind them."""
+import subprocess
+import sys
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
+import scipy.optimize
 
 from cosim.analysis import linearize
 from cosim.errors import RunError
+from cosim.master.system import Component, Connection, System
 from cosim.vehicle import scenarios
 from cosim.vehicle.closed_loop import assignments, closed_loop
 from cosim.vehicle.linearize import from_models
@@ -93,3 +98,29 @@ def test_lag_and_delay_of_an_actuator_are_seen(native_fmus):
 def test_what_has_no_linearisation_is_said_in_one_sentence(native_fmus, words, plant, message):
     with pytest.raises(RunError, match=message):
         files("backstepping", words=words, plant=plant)
+
+
+def test_fmus_of_stock_pythonfmu_that_save_no_state_are_linearised(tmp_path):
+    for source in ("mass.py", "spring.py"):
+        subprocess.run([sys.executable, "-m", "pythonfmu", "build", "-f", Path(__file__).parent / "handmade" / source,
+                        "-d", tmp_path], check=True, capture_output=True)
+    names = ("position", "velocity")
+    parts = Component("spring", tmp_path / "Spring.fmu", {"damping": 2.0}), Component("mass", tmp_path / "Mass.fmu")
+    system = System(parts, (*(Connection(f"mass.{n}", f"spring.{n}") for n in names),
+                            Connection("spring.force", "mass.force")))
+    found = linearize(system, ["spring.force"], [f"mass.{n}" for n in names], STEP, 60.0)
+    A = np.array([[1, STEP], [0, 1]]) @ np.array([[1, 0], [-10 * STEP, 1 - 2 * STEP]])  # semi-implicit Euler
+    poles = numbers(found["closed_loop"]["poles"])
+    assert len(poles) == 2
+    agree(poles, np.log(np.linalg.eigvals(A)) / STEP, 1e-6)
+    assert len(found["open_loop"]["poles"]) == 2 and np.abs(numbers(found["open_loop"]["poles"])).max() < 1e-3
+    # the sensors are cut one at a time: without one, what is left is a second-order system
+    assert found["margins"]["velocity"]["gain_up"] == pytest.approx(sampled_gain_margin(), rel=1e-3)
+
+
+def sampled_gain_margin() -> float:
+    """Factor on the spring's damping at which the semi-implicit loop reaches z = -1."""
+    def radius(factor):
+        A = np.array([[1, STEP], [0, 1]]) @ np.array([[1, 0], [-10 * STEP, 1 - 2 * factor * STEP]])
+        return np.abs(np.linalg.eigvals(A)).max()
+    return float(scipy.optimize.brentq(lambda factor: radius(factor) - 1, 10, 1000))

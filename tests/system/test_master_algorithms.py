@@ -3,8 +3,8 @@ from functools import partial
 
 import numpy as np
 import pytest
+import small
 from scipy.linalg import expm
-from small_fmus import small
 
 from cosim.errors import UsageError
 from cosim.master.flight import fly

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import psutil
 import pytest
-from small_fmus import small
+import small
 
 from cosim.errors import RunError, UsageError
 from cosim.master.algorithms import method

@@ -1,7 +1,7 @@
 """The compiled loop equals the plain one, to the last bit: every algorithm, every kind of FMU."""
 import numpy as np
 import pytest
-from small_fmus import small
+import small
 
 from cosim.master.flight import fly
 from cosim.master.fmu import FmuFile

@@ -5,9 +5,10 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
+import peers
 import pyarrow.parquet
 import pytest
-from small_fmus import small
+import small
 
 from cosim.errors import RunError, UsageError
 from cosim.master.flight import fly
@@ -141,7 +142,7 @@ def test_jacobi_is_that_of_other_masters(build, tmp_path, master):
     write(tmp_path / "pair.ssp", "pair", system, 0.01, 5.0)
     script = Path(__file__).with_name("foreign.py")
     subprocess.run([sys.executable, script, master, tmp_path / "pair.ssp", "0.01", "5", tmp_path / "out.npz", *names],
-                   check=True, timeout=60, capture_output=True)
+                   check=True, timeout=60, capture_output=True, env=peers.environment())
     theirs, ours = np.load(tmp_path / "out.npz")["rows"], fly(system, 0.01, 5.0, "jacobi")
     assert theirs.shape == (501, 4)
     for name, column in zip(names, theirs.T):

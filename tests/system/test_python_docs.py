@@ -129,16 +129,16 @@ def test_a_notebook_runs_and_shows_what_it_promises(path, in_kernels):
 LONG = """
 import cosim, pathlib, sys
 sys.path.insert(0, {tests!r})
-from small_fmus import small
+import small
 flight = cosim.fly(small.pair(pathlib.Path({fmu!r}), substeps=200.0), step=0.001, stop=3000, record=["left.y"])
 print(flight.finished, flight.message, len(flight.time) == flight.ticks + 1 > 1)
 """
 
 
 def test_an_interrupted_cell_shows_a_bar_and_keeps_what_was_flown(in_kernels, tmp_path):
-    from small_fmus import small
+    import small
 
-    code = LONG.format(tests=str(ROOT / "tests"), fmu=str(small.build(tmp_path)))
+    code = LONG.format(tests=str(ROOT / "benchmarks"), fmu=str(small.build(tmp_path)))
     manager, client = jupyter_client.manager.start_new_kernel(kernel_name="python3")
     said, bars = [], []
 

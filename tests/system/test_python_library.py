@@ -13,8 +13,9 @@ from pathlib import Path
 import numpy as np
 import pyarrow.parquet
 import pytest
+import small
 import ssp_files
-from small_fmus import small
+from places import ROOT
 
 import cosim
 
@@ -191,10 +192,10 @@ def test_a_bar_shows_in_a_terminal(fmu):
     import pty
 
     ours, theirs = pty.openpty()
-    code = ("import sys; sys.path.insert(0, sys.argv[1]); from small_fmus import small; import cosim, pathlib\n"
+    code = ("import sys; sys.path.insert(0, sys.argv[1]); import small, cosim, pathlib\n"
             "cosim.fly(small.pair(pathlib.Path(sys.argv[2])), step=0.1, stop=10)")
     environment = {**os.environ, "TERM": "xterm", "COLUMNS": "80"}
-    subprocess.run([sys.executable, "-c", code, Path(__file__).parents[1], fmu], check=True, stderr=theirs,
+    subprocess.run([sys.executable, "-c", code, ROOT / "benchmarks", fmu], check=True, stderr=theirs,
                    env=environment)
     os.close(theirs)
     assert b"left, right" in os.read(ours, 10000)

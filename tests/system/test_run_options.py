@@ -54,7 +54,7 @@ def test_hold_at_another_speed_holds_there(tmp_path):
 
 @pytest.mark.parametrize("word,expected", [("2deg", 0.034906585039886591), ("2 deg", 0.034906585039886591),
                                            ("0.02 rad", 0.02), ("-1.5e-1deg", -0.0026179938779914941), ("0.02", 0.02),
-                                           ("2e-02", 0.02)])
+                                           ("2e-2", 0.02), ("2e-2rad", 0.02)])
 def test_a_value_may_have_a_unit(word, expected, tmp_path):
     record = recorded(tmp_path, "hold", "--set", "plant.start_at_trim=false", "--set", f"plant.theta_start={word}")
     assert record["parameters"]["plant"]["theta_start"] == pytest.approx(expected, rel=1e-14)

@@ -7,8 +7,8 @@ import zipfile
 from pathlib import Path
 
 import pytest
+from places import AHV
 from ssp_files import HEAD, component, connection, gain, inline, parameter, ssd, system, write
-from test_cases import AHV
 
 from cosim.errors import UsageError
 from cosim.ssp.simulate import simulate

@@ -4,6 +4,7 @@ import subprocess
 
 import pyarrow.parquet
 import pytest
+from places import AHV
 from ssp_files import (
     component,
     connection,
@@ -17,7 +18,7 @@ from ssp_files import (
     system,
     write,
 )
-from test_cases import AHV, ahv
+from test_cases import ahv
 
 from cosim.errors import UsageError
 from cosim.ssp.load import load_ssp

@@ -4,12 +4,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 import scipy.linalg
-from small_fmus import small
+import small
 
 from cosim.analysis import linearize
-from cosim.analysis.pulses import Answers
+from cosim.analysis.pulses import Answers, Rest
 from cosim.analysis.realise import realise
+from cosim.analysis.report import check_limits
 from cosim.errors import RunError, UsageError
+from cosim.master.loaded import open_files
 from cosim.master.system import Component, Connection, System
 
 STEP = 0.01
@@ -122,5 +124,22 @@ def test_what_cannot_be_linearised_is_said_in_one_sentence(folder):
         linear(loop(fmu, fmu, law={"d": 0.0, "c1": 0.0}))
     with pytest.raises(UsageError, match=r"spring\.whole_out is not a continuous Real output that is connected"):
         linearize(loop(fmu, fmu), ["law.y"], ["spring.whole_out"], STEP)
+    with pytest.raises(UsageError, match=r"The sensor law\.y shows nothing that an actuator drives"):
+        linearize(loop(fmu, fmu), ["law.y"], ["spring.y", "law.y"], STEP)
+    with pytest.raises(UsageError, match="at least one actuator"):
+        linearize(loop(fmu, fmu), [], ["spring.y"], STEP)
     with pytest.raises(UsageError, match="step = -1 s"):
         linearize(loop(fmu, fmu), ["law.y"], ["spring.y"], -1.0)
+
+
+def test_an_actuator_at_a_declared_limit_is_named(folder):
+    system = loop(small.build(folder), small.build(folder))
+    with open_files(system) as files:
+        files["spring"].variable("u").max = "2.0"
+        for value, at_limit in ((2.0, True), (1.999, False)):
+            rest = Rest(system, files, STEP, 1, 1.0, {"law.y": value}, {"law.y": 1.0})
+            if at_limit:
+                with pytest.raises(RunError, match=r"the actuator spring\.u = 2 is at its maximum"):
+                    check_limits(rest, "law.y", system.connections)
+            else:
+                check_limits(rest, "law.y", system.connections)

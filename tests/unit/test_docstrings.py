@@ -11,8 +11,8 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 ROOMS = ["cosim/__init__.py", "cosim/library.py", "cosim/errors.py", "cosim/text.py", "cosim/yaml_file.py",
-         "cosim/master", "cosim/conformance", "cosim/ssp", "cosim/campaign", "cosim/vehicle", "cosim/cli", "fmus", 
-         "ahv_plant_fmu", "ahv_ctrl_fmu"]
+         "cosim/master", "cosim/analysis", "cosim/conformance", "cosim/ssp", "cosim/campaign",
+         "cosim/vehicle", "cosim/cli", "fmus", "ahv_plant_fmu", "ahv_ctrl_fmu"]
 DECORATORS = {"static", "field_validator", "model_validator"}
 Function = ast.FunctionDef | ast.AsyncFunctionDef
 

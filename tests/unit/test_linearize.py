@@ -9,11 +9,11 @@ from ahv_ctrl_fmu import neural_model
 from ahv_plant_fmu import model as plant
 from ahv_plant_fmu.equations import derivative
 from ahv_plant_fmu.trim import NOMINAL
+from cosim.analysis.margins import frequencies, margins, margins_at, response
 from cosim.vehicle.registry import LAWS
 from fmus import floats
 from fmus.linear_report import preset_gains
-from fmus.linearize import ACTUATORS, GROUPS, SENSORS, NoTrim, linear_loop, linear_vehicle, values_of, vehicle_trim
-from fmus.margins import frequencies, margins, response
+from fmus.linearize import GROUPS, NoTrim, linear_loop, linear_vehicle, values_of, vehicle_trim
 
 
 def gains_of(law):
@@ -66,9 +66,8 @@ def test_the_closed_loop_answers_a_small_command_as_the_flight_does(law):
 def test_a_loop_is_stable_just_inside_its_gain_margins_and_unstable_just_outside(law):
     loop = linear_loop(plant, *gains_of(law), 7700, 85000)
     checked = 0
-    for name, found in loop.margins().items():
-        place = {"actuator": ACTUATORS.index(name)} if name in ACTUATORS else {"sensor": SENSORS.index(name)}
-        cut = loop.cut(**place)
+    for name, cut in loop.cuts().items():
+        found = margins_at(cut)
 
         def radius(gain, cut=cut):
             closed = cut.A + cut.B @ cut.C * gain / (1 - cut.D[0, 0] * gain)

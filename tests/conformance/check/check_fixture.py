@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import re
-import subprocess
 import tempfile
 import zipfile
 from functools import cache
 from pathlib import Path
 
 import fmpy
+
+from fmus.native_compiler import cc
 
 HERE = Path(__file__).parent
 BASE_XML = (HERE / "fixture.xml").read_text("utf-8")
@@ -31,8 +32,8 @@ def library(defect: str | None = None, extra: tuple[str, ...] = ()) -> bytes:
         raise ValueError(f"fixture.c has no defect '{defect}'; it has {', '.join(C_DEFECTS)}")
     (folder / "defect.h").write_text("\n".join(lines) + "\n")
     target = folder / "Fixture.so"
-    command = ["gcc", "-shared", "-fPIC", "-O0", "-w", f"-I{folder}", f"-I{_HEADERS}", *extra]
-    subprocess.run([*command, str(HERE / "fixture.c"), "-o", str(target), "-lm"], check=True)
+    options = ["-shared", "-fPIC", "-O0", "-w", "-fno-sanitize=undefined", f"-I{folder}", f"-I{_HEADERS}", *extra]
+    cc(*options, HERE / "fixture.c", "-o", target, "-lm")
     return target.read_bytes()
 
 

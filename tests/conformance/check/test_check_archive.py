@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import io
-import subprocess
-import sys
 import zipfile
 from pathlib import Path
 
@@ -15,6 +13,7 @@ from hypothesis import strategies as st
 
 from cosim.conformance.binary import BadBinary, read_library
 from cosim.master.unpack import BadArchive, safe_extract
+from fmus.native_compiler import cc
 
 
 def test_contents_arrive_unchanged(tmp_path: Path) -> None:
@@ -115,19 +114,7 @@ def test_libraries_of_other_platforms(tmp_path: Path, target: str, system: str, 
     source = tmp_path / "f.c"
     export = "__declspec(dllexport) " if system == "windows" else ""
     source.write_text(f"static int hidden(void) {{ return 1; }}\n{export}int fmi2DoStep(void) {{ return hidden(); }}\n")
-    command = [
-        sys.executable,
-        "-m",
-        "ziglang",
-        "cc",
-        "-target",
-        target,
-        "-shared",
-        "-o",
-        str(tmp_path / "x"),
-        str(source),
-    ]
-    subprocess.run(command, check=True, capture_output=True)
+    cc("-shared", "-o", tmp_path / "x", source, target=target)
     tables = read_library(tmp_path / "x")
     assert (tables.system, tables.machines) == (system, {machine})
     assert "fmi2DoStep" in tables.exports and "hidden" not in tables.exports

@@ -9,11 +9,11 @@ from pathlib import Path
 
 import pytest
 from check_fixture import BASE_XML, library, members, swapped, write
+from places import ROOT
 
 from cosim.conformance import check
 from cosim.conformance.report import Report
 
-ROOT = Path(__file__).resolve().parents[3]
 OURS = sorted(ROOT.glob("fmus/dist/*/*.fmu"))
 
 # The least that the schema and the specification ask for: no units, no types, no claims, flat names.
