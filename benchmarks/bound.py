@@ -2,7 +2,8 @@
 
     .venv/bin/python benchmarks/bound.py --case case1 --draws 100                 (two or three seconds a draw)
     .venv/bin/python benchmarks/bound.py --case case2 --draws 100 --blind 0.1     (three)
-    .venv/bin/python benchmarks/bound.py --case case1 --draws 10 --check          (horizon, grid, smoothing, guesses)
+    .venv/bin/python benchmarks/bound.py --case case1 --runs 905 1234             (these draws)
+    .venv/bin/python benchmarks/bound.py --case case1 --draws 10 --check          (what does not change the bound)
 
 Draw k is run k of the campaign docs/campaigns/CASE.yaml. `--blind known` is a controller that knows everything, also
 beforehand; 0.1 is one whose inputs stay as they were for 0.1 s after each jump of the coefficients, and which then
@@ -13,6 +14,7 @@ import argparse
 import csv
 import json
 import sys
+from collections.abc import Container, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
@@ -34,6 +36,7 @@ from bound_problem import (
     references,
     window,
 )
+from scipy.stats import spearmanr
 
 from cosim.campaign import plan as plans
 from cosim.campaign.sampling import draw
@@ -173,10 +176,10 @@ def read(path: Path) -> list[dict[str, str]]:
         return [row for row in csv.DictReader(file) if row["status"]]  # a line that was cut off has none
 
 
-def compute(draws: Draws, count: int, modes: list[str], path: Path) -> None:
-    """Find what is missing of the first `count` draws, and add it to the file at `path`."""
+def compute(draws: Draws, runs: Sequence[int], modes: list[str], path: Path) -> None:
+    """Find what is missing of these runs, and add it to the file at `path`."""
     known = {(int(r["run"]), r["blind"], float(r["jump_s"])) for r in read(path)}
-    missing = [(run, mode, jump) for run in range(count) for mode in modes for jump in draws.jumps
+    missing = [(run, mode, jump) for run in runs for mode in modes for jump in draws.jumps
                if (run, mode, jump) not in known]
     path.parent.mkdir(parents=True, exist_ok=True)
     with open(path, "a", newline="") as file, Forward() as forward:
@@ -190,38 +193,42 @@ def compute(draws: Draws, count: int, modes: list[str], path: Path) -> None:
                   file=sys.stderr, flush=True)
 
 
-def bounds(path: Path, mode: str, count: int | None = None, column: str = "bound_ft") -> dict[int, float]:
-    """Run -> the largest over its jumps, for the runs (below `count`) of which every jump was solved."""
-    rows = [r for r in read(path) if r["blind"] == mode and (count is None or int(r["run"]) < count)]
+def bounds(path: Path, mode: str, runs: Container[int] | None = None) -> dict[int, float]:
+    """Run -> the largest over its jumps (ft), for those of `runs` of which every jump was solved."""
+    rows = [r for r in read(path) if r["blind"] == mode and (runs is None or int(r["run"]) in runs)]
     whole = len({r["jump_s"] for r in rows})
     found: dict[int, list[float]] = {}
     for r in rows:
         if r["status"] in Best.FOUND:
-            found.setdefault(int(r["run"]), []).append(float(r[column]))
-    return {run: max(values) for run, values in sorted(found.items()) if len(values) == whole}
+            found.setdefault(int(r["run"]), []).append(float(r["bound_ft"]))
+    return {run: max(errors) for run, errors in sorted(found.items()) if len(errors) == whole}
 
 
-def line(path: Path, mode: str, count: int) -> dict[str, Any]:
+def line(path: Path, mode: str, runs: Container[int]) -> dict[str, Any]:
     """The table's line of one kind of controller."""
-    errors = np.array(list(bounds(path, mode, count).values()))
+    errors = np.array(list(bounds(path, mode, runs).values()))
+    rows = [r for r in read(path) if r["blind"] == mode and int(r["run"]) in runs]
+    tried = len({r["run"] for r in rows})
     within = int((errors < WITHIN).sum())
-    rows = [r for r in read(path) if r["blind"] == mode and int(r["run"]) < count]
-    low, high = wilson(within, len(errors))
     return {
-        "blind": mode, "draws": len(errors), "unsolved": len({r["run"] for r in rows}) - len(errors),
-        "within_20_ft": within / len(errors), "interval": [low, high],
+        "blind": mode, "draws": len(errors), "unsolved": tried - len(errors),
+        "within_20_ft": within / len(errors), "interval": list(wilson(within, len(errors))),
         **{f"{name}_ft": float(np.quantile(errors, q)) for name, q in (("median", 0.5), ("p90", 0.9), ("max", 1.0))},
-        "seconds_per_draw": sum(float(r["seconds"]) for r in rows) / len({r["run"] for r in rows}),
+        "seconds_per_draw": sum(float(r["seconds"]) for r in rows) / tried,
         "flown_apart_ft": max(float(r["apart_ft"]) for r in rows),
+        "flown_above_ft": max(float(r["flown_ft"]) - float(r["bound_ft"]) for r in rows),
+        "rank_correlation": {group: float(spearmanr([float(r[group]) for r in rows],
+                                                    [float(r["bound_ft"]) for r in rows]).statistic)
+                             for group in GROUPS},
     }
 
 
 # --- what the figures do not depend on ---------------------------------------------------------------------------
 
-def check(draws: Draws, count: int, modes: list[str]) -> dict[str, float]:
-    """Largest change of the bound (ft) over the first draws and jumps, for each thing that is changed."""
+def check(draws: Draws, runs: Sequence[int], modes: list[str]) -> dict[str, float]:
+    """Largest change of the bound (ft) over these runs and the first jumps, for each thing that is changed."""
     changes: dict[str, float] = {}
-    for run in range(count):
+    for run in runs:
         for mode in modes:
             for jump in draws.jumps[:2]:
                 blind = None if mode == KNOWN else float(mode)
@@ -243,6 +250,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--case", choices=CASES, default="case1")
     parser.add_argument("--draws", type=int, default=100, help="the first so many runs of the campaign")
+    parser.add_argument("--runs", type=int, nargs="+", metavar="K", help="these, instead of the first")
     parser.add_argument("--blind", nargs="+", default=list(MODES), metavar="S", help="known, or seconds")
     parser.add_argument("--seed", type=int, help="instead of the campaign file's")
     parser.add_argument("--out", type=Path, default=Path("results/bound"), metavar="DIR")
@@ -255,13 +263,14 @@ def main() -> int:
     except UsageError as error:
         print(error, file=sys.stderr)
         return 2
-    said = {"case": given.case, "seed": draws.seed, "draws": given.draws}
+    runs = given.runs or range(given.draws)
+    said: dict[str, Any] = {"case": given.case, "seed": draws.seed}
     if given.check:
-        said["largest_change_ft"] = check(draws, given.draws, given.blind)
+        said["largest_change_ft"] = check(draws, runs, given.blind)
     else:
         path = given.out / f"{given.case}-seed{draws.seed}.csv"
-        compute(draws, given.draws, given.blind, path)
-        said |= {"file": str(path), "controllers": [line(path, mode, given.draws) for mode in given.blind]}
+        compute(draws, runs, given.blind, path)
+        said |= {"file": str(path), "controllers": [line(path, mode, runs) for mode in given.blind]}
     print(json.dumps(said, indent=None if given.json else 2))
     return 0
 
@@ -270,6 +279,9 @@ def checked(draws: Draws, given: argparse.Namespace) -> None:
     """Raises UsageError for numbers that are not allowed."""
     if not 0 < given.draws <= draws.runs:
         raise UsageError(f"--draws {given.draws} is not allowed: the campaign has 1 to {draws.runs} runs.")
+    for run in given.runs or ():
+        if not 0 <= run < draws.runs:
+            raise UsageError(f"--runs {run} is not allowed: the campaign has runs 0 to {draws.runs - 1}.")
     for word in given.blind:
         try:
             fits = word == KNOWN or 0 <= float(word) <= 1
