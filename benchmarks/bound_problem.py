@@ -195,8 +195,8 @@ def defect() -> ca.Function:
 class Program:
     """The nonlinear program of all windows with the same intervals; built once (seconds), solved for many."""
 
-    def __init__(self, lengths: np.ndarray, smoothing: float):
-        """`lengths` of the intervals (s); `smoothing` as SMOOTHING (ft)."""
+    def __init__(self, lengths: np.ndarray, smoothing: float, speed_error: float):
+        """`lengths` of the intervals (s); `smoothing` (ft) and `speed_error` (ft/s) as SMOOTHING and SPEED_ERROR."""
         n = self.n = len(lengths)
         X, U, worst = ca.SX.sym("X", 5, n + 1), ca.SX.sym("U", 2, n), ca.SX.sym("worst")
         scales, wanted = ca.SX.sym("scales", 4, 3 * n), ca.SX.sym("references", 2, n + 1)
@@ -213,8 +213,8 @@ class Program:
             "p": ca.vertcat(ca.vec(scales), ca.vec(wanted), origin),
         }, {"print_time": False, "ipopt": {"print_level": 0, "sb": "yes", "tol": 1e-7, "max_iter": 400}})
         free = np.full(n + 1, np.inf)
-        self.low_g = np.concatenate([np.zeros(5 * n + 2 * (n + 1)), np.full(n + 1, -SPEED_ERROR)])
-        self.high_g = np.concatenate([np.zeros(5 * n), free, free, np.full(n + 1, SPEED_ERROR)])
+        self.low_g = np.concatenate([np.zeros(5 * n + 2 * (n + 1)), np.full(n + 1, -speed_error)])
+        self.high_g = np.concatenate([np.zeros(5 * n), free, free, np.full(n + 1, speed_error)])
 
     def solve(self, w: Window, start: int = 0) -> Best:
         """The best flight of the window, looked for from guess number `start` (0: the references, flown at trim)."""
@@ -243,9 +243,9 @@ class Program:
 
 
 @lru_cache
-def program(lengths: tuple[float, ...], smoothing: float = SMOOTHING) -> Program:
+def program(lengths: tuple[float, ...], smoothing: float = SMOOTHING, speed_error: float = SPEED_ERROR) -> Program:
     """The program of windows with intervals of these lengths (s)."""
-    return Program(np.array(lengths), smoothing)
+    return Program(np.array(lengths), smoothing, speed_error)
 
 
 def best(w: Window) -> Best:
