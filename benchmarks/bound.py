@@ -169,11 +169,9 @@ def row(draws: Draws, forward: Forward, run: int, mode: str, jump: float) -> dic
 # --- rows, kept as they are found --------------------------------------------------------------------------------
 
 def read(path: Path) -> list[dict[str, str]]:
-    """The rows that are there already."""
-    if not path.is_file():
-        return []
-    with open(path, newline="") as file:
-        return [row for row in csv.DictReader(file) if row["status"]]  # a line that was cut off has none
+    """The rows that are there already; a line that was cut off is none."""
+    lines = path.read_text().splitlines(keepends=True) if path.is_file() else []
+    return list(csv.DictReader(line for line in lines if line.endswith("\n")))
 
 
 def compute(draws: Draws, runs: Sequence[int], modes: list[str], path: Path) -> None:
@@ -182,8 +180,11 @@ def compute(draws: Draws, runs: Sequence[int], modes: list[str], path: Path) -> 
     missing = [(run, mode, jump) for run in runs for mode in modes for jump in draws.jumps
                if (run, mode, jump) not in known]
     path.parent.mkdir(parents=True, exist_ok=True)
+    with open(path, "a+b") as file:
+        file.seek(0)
+        file.truncate(file.read().rfind(b"\n") + 1)
     with open(path, "a", newline="") as file, Forward() as forward:
-        writer = csv.DictWriter(file, COLUMNS)
+        writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
         if file.tell() == 0:
             writer.writeheader()
         for i, (run, mode, jump) in enumerate(missing, 1):

@@ -7,6 +7,7 @@ The laws fly as FMUs in campaigns of the same files (a few minutes, kept in DIR)
 import argparse
 import json
 import sys
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -27,8 +28,8 @@ LAWS = [{"law": "resilient", "preset": "quiet", "name": "resilient, quiet"},
         {"law": "neural", "preset": "calibrated", "name": "neural, calibrated"},
         {"law": "neural", "preset": "robust", "name": "neural, robust"}]
 LABELS = {KNOWN: "bound, all known", "0.1": "bound, blind for 0.1 s", "0.3": "bound, blind for 0.3 s"}
-HARD = 5.0                 # ft: draws are hard whose bound, blind for 0.1 s, is above
-LEAST, MOST = 0.01, 200.0  # ft, ends of the axis
+BINS = (0.0, 1.0, 5.0, np.inf)  # ft: draws by their bound when blind for 0.1 s
+LEAST, MOST = 0.01, 200.0      # ft, ends of the axis
 
 
 def campaign_file(case: str) -> dict[str, Any]:
@@ -59,19 +60,26 @@ def curve(axis: Any, errors: np.ndarray, **options: Any) -> None:
     axis.step([LEAST, *x[shown], MOST], [0.0, *share[shown], 100 * shown.mean()], where="post", **options)
 
 
+def number(x: float) -> float | None:
+    """`x` as JSON can have it."""
+    return float(x) if np.isfinite(x) else None
+
+
 def line(errors: np.ndarray, least: dict[str, np.ndarray]) -> dict[str, Any]:
     """What the errors (ft) of a law say beside the bounds of the same draws."""
-    within = int((errors < WITHIN).sum())
-    ordered = [float(x) if np.isfinite(x) else None for x in np.sort(errors)]
-    hard = least["0.1"] > HARD
+    within, ordered = int((errors < WITHIN).sum()), np.sort(errors)
+    bins = {}
+    for low, high in pairwise(BINS):
+        chosen = (least["0.1"] >= low) & (least["0.1"] < high)
+        if chosen.any():
+            bins[f"{low:g} to {high:g} ft"] = {
+                "draws": int(chosen.sum()), "bound_median_ft": float(np.median(least["0.1"][chosen])),
+                "median_ft": number(np.median(errors[chosen])), "max_ft": number(errors[chosen].max()),
+                **{f"share_above_{mode}": float((errors > least[mode])[chosen].mean()) for mode in MODES}}
     return {"draws": len(errors), "within_20_ft": within / len(errors), "interval": wilson(within, len(errors)),
-            "finished": float(np.isfinite(errors).mean()), "median_ft": ordered[len(errors) // 2],
-            "p90_ft": ordered[int(0.9 * len(errors))], "max_ft": ordered[-1],
-            "above_all_known": float((errors > least[KNOWN]).mean()),
-            "hard_draws": int(hard.sum()),
-            **{f"hard_above_{mode}": float((errors > least[mode])[hard].mean()) for mode in MODES},
-            "hard_median_above_0.1_ft": float(np.median((errors - least["0.1"])[hard]))
-            if hard.any() and np.isfinite(errors[hard]).all() else None}
+            "finished": float(np.isfinite(errors).mean()), "median_ft": number(ordered[len(errors) // 2]),
+            "p90_ft": number(ordered[int(0.9 * len(errors))]), "max_ft": number(ordered[-1]),
+            "by_bound_when_blind_for_0.1_s": bins}
 
 
 def main() -> int:
