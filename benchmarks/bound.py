@@ -24,6 +24,7 @@ from bound_problem import (
     AFTER,
     GROUPS,
     SMOOTHING,
+    SPEED_ERROR,
     STATES,
     TICK,
     Best,
@@ -238,7 +239,7 @@ def check(draws: Draws, runs: Sequence[int], modes: list[str]) -> dict[str, floa
                 bound = best(usual).bound
                 others = {"20 s instead of 10": best(long),
                           "a tenth of the smoothing": program(usual.lengths, smoothing=SMOOTHING / 10).solve(usual),
-                          "any speed": program(usual.lengths, speed_error=1e4).solve(usual),
+                          "twice the speed error": program(usual.lengths, speed_error=2 * SPEED_ERROR).solve(usual),
                           **{f"guess {i}": program(usual.lengths).solve(usual, i) for i in (1, 2, 3)}}
                 for name, other in others.items():
                     changes[name] = max(changes.get(name, 0.0), abs(other.bound - bound) if other.found else np.inf)

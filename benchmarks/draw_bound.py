@@ -102,6 +102,7 @@ def main() -> int:
             curve(axis, errors, label=name)
         said[case] = {name: line(errors, least) for name, errors in laws.items()}
         axis.axvline(WITHIN, color="k", lw=0.8, ls=":")
+        axis.text(1.1 * WITHIN, 1.0, f"{WITHIN:g} ft", fontsize="small")
         axis.set_xscale("log")
         axis.set_xlim(LEAST, MOST)
         axis.set_title(f"Case {case[-1]}, {len(runs)} draws")
