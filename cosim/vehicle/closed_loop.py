@@ -1,4 +1,5 @@
 """The closed loop as a system: which FMU files, which presets, which values, wired how."""
+import os
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -70,13 +71,15 @@ def choice(option: str, value: str, allowed: Iterable[str]) -> str:
 def flavour_of(word: str | None) -> str:
     """`word` itself, or without one the flavour to fly: native where it is built, else python. Raises UsageError for
     an unknown one."""
-    built = (DIST / "native" / f"{SCENARIO.fmu}.fmu").is_file()
+    built = fmu_path("native", SCENARIO.fmu).is_file()
     return choice("flavour", word or ("native" if built else "python"), FLAVOURS)
 
 
 def fmu_path(flavour: str, model: str) -> Path:
-    """Where the FMU of our model is built. Raises UsageError for an unknown flavour."""
-    return DIST / choice("flavour", flavour, FLAVOURS) / f"{model}.fmu"
+    """Where the FMU of our model is: in the folder that AHV_FMUS names, else where it is built. Raises UsageError for
+    an unknown flavour."""
+    built = DIST / choice("flavour", flavour, FLAVOURS)
+    return Path(os.environ.get("AHV_FMUS", built)) / f"{model}.fmu"
 
 
 def names_file(word: str) -> bool:
