@@ -169,15 +169,16 @@ def row(draws: Draws, forward: Forward, run: int, mode: str, jump: float) -> dic
 
 # --- rows, kept as they are found --------------------------------------------------------------------------------
 
-def read(path: Path) -> list[dict[str, str]]:
-    """The rows that are there already; a line that was cut off is none."""
+def read(path: Path) -> dict[tuple[int, str, float], dict[str, str]]:
+    """The rows that are there already by run, kind of controller and jump; a line that was cut off is none."""
     lines = path.read_text().splitlines(keepends=True) if path.is_file() else []
-    return list(csv.DictReader(line for line in lines if line.endswith("\n")))
+    rows = csv.DictReader(line for line in lines if line.endswith("\n"))
+    return {(int(row["run"]), row["blind"], float(row["jump_s"])): row for row in rows}
 
 
 def compute(draws: Draws, runs: Sequence[int], modes: list[str], path: Path) -> None:
     """Find what is missing of these runs, and add it to the file at `path`."""
-    known = {(int(r["run"]), r["blind"], float(r["jump_s"])) for r in read(path)}
+    known = read(path)
     missing = [(run, mode, jump) for run in runs for mode in modes for jump in draws.jumps
                if (run, mode, jump) not in known]
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -197,19 +198,19 @@ def compute(draws: Draws, runs: Sequence[int], modes: list[str], path: Path) -> 
 
 def bounds(path: Path, mode: str, runs: Container[int] | None = None) -> dict[int, float]:
     """Run -> the largest over its jumps (ft), for those of `runs` of which every jump was solved."""
-    rows = [r for r in read(path) if r["blind"] == mode and (runs is None or int(r["run"]) in runs)]
-    whole = len({r["jump_s"] for r in rows})
+    rows = {key: r for key, r in read(path).items() if key[1] == mode and (runs is None or key[0] in runs)}
+    whole = len({jump for _, _, jump in rows})
     found: dict[int, list[float]] = {}
-    for r in rows:
+    for (run, _, _), r in rows.items():
         if r["status"] in Best.FOUND:
-            found.setdefault(int(r["run"]), []).append(float(r["bound_ft"]))
+            found.setdefault(run, []).append(float(r["bound_ft"]))
     return {run: max(errors) for run, errors in sorted(found.items()) if len(errors) == whole}
 
 
 def line(path: Path, mode: str, runs: Container[int]) -> dict[str, Any]:
     """The table's line of one kind of controller."""
     errors = np.array(list(bounds(path, mode, runs).values()))
-    rows = [r for r in read(path) if r["blind"] == mode and int(r["run"]) in runs]
+    rows = [r for key, r in read(path).items() if key[1] == mode and key[0] in runs]
     tried = len({r["run"] for r in rows})
     within = int((errors < WITHIN).sum())
     return {
