@@ -58,6 +58,7 @@ CASES = ("case1", "case2")
 KNOWN = "known"
 MODES = (KNOWN, "0.1", "0.3")
 WITHIN = 20.0         # ft
+QUANTILES = {"median": 0.5, "p90": 0.9, "p99": 0.99, "max": 1.0}
 FLOWN_STEP = 1e-3     # s: communication step of the forward flights
 FLOWN_SPAN = 4.0      # s after the jump: nobody steers, and any difference grows by e every 0.6 s
 COLUMNS = ("run", "blind", "jump_s", "bound_ft", "flown_ft", "apart_ft", *GROUPS, "iterations", "seconds", "status")
@@ -216,14 +217,19 @@ def line(path: Path, mode: str, runs: Container[int]) -> dict[str, Any]:
     return {
         "blind": mode, "draws": len(errors), "unsolved": tried - len(errors),
         "within_20_ft": within / len(errors), "interval": list(wilson(within, len(errors))),
-        **{f"{name}_ft": float(np.quantile(errors, q)) for name, q in (("median", 0.5), ("p90", 0.9), ("max", 1.0))},
+        **{f"{name}_ft": float(np.quantile(errors, q)) for name, q in QUANTILES.items()},
         "seconds_per_draw": sum(float(r["seconds"]) for r in rows) / tried,
         "flown_apart_ft": max(float(r["apart_ft"]) for r in rows),
         "flown_above_ft": max(float(r["flown_ft"]) - float(r["bound_ft"]) for r in rows),
-        "rank_correlation": {group: float(spearmanr([float(r[group]) for r in rows],
-                                                    [float(r["bound_ft"]) for r in rows]).statistic)
-                             for group in GROUPS},
+        "rank_correlation": {group: rank_correlation(rows, group) for group in GROUPS},
     }
+
+
+def rank_correlation(rows: list[dict[str, str]], group: str) -> float | None:
+    """Spearman's, of a group's scale after the jump with the bound; None where a draw has several jumps."""
+    if len({r["jump_s"] for r in rows}) > 1:
+        return None
+    return float(spearmanr(*([float(r[name]) for r in rows] for name in (group, "bound_ft"))).statistic)
 
 
 # --- what the figures do not depend on ---------------------------------------------------------------------------
