@@ -58,6 +58,7 @@ CASES = ("case1", "case2")
 KNOWN = "known"
 MODES = (KNOWN, "0.1", "0.3")
 WITHIN = 20.0         # ft
+QUANTILES = {"median": 0.5, "p90": 0.9, "p99": 0.99, "max": 1.0}
 FLOWN_STEP = 1e-3     # s: communication step of the forward flights
 FLOWN_SPAN = 4.0      # s after the jump: nobody steers, and any difference grows by e every 0.6 s
 COLUMNS = ("run", "blind", "jump_s", "bound_ft", "flown_ft", "apart_ft", *GROUPS, "iterations", "seconds", "status")
@@ -169,15 +170,16 @@ def row(draws: Draws, forward: Forward, run: int, mode: str, jump: float) -> dic
 
 # --- rows, kept as they are found --------------------------------------------------------------------------------
 
-def read(path: Path) -> list[dict[str, str]]:
-    """The rows that are there already; a line that was cut off is none."""
+def read(path: Path) -> dict[tuple[int, str, float], dict[str, str]]:
+    """The rows that are there already by run, kind of controller and jump; a line that was cut off is none."""
     lines = path.read_text().splitlines(keepends=True) if path.is_file() else []
-    return list(csv.DictReader(line for line in lines if line.endswith("\n")))
+    rows = csv.DictReader(line for line in lines if line.endswith("\n"))
+    return {(int(row["run"]), row["blind"], float(row["jump_s"])): row for row in rows}
 
 
 def compute(draws: Draws, runs: Sequence[int], modes: list[str], path: Path) -> None:
     """Find what is missing of these runs, and add it to the file at `path`."""
-    known = {(int(r["run"]), r["blind"], float(r["jump_s"])) for r in read(path)}
+    known = read(path)
     missing = [(run, mode, jump) for run in runs for mode in modes for jump in draws.jumps
                if (run, mode, jump) not in known]
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -197,32 +199,37 @@ def compute(draws: Draws, runs: Sequence[int], modes: list[str], path: Path) -> 
 
 def bounds(path: Path, mode: str, runs: Container[int] | None = None) -> dict[int, float]:
     """Run -> the largest over its jumps (ft), for those of `runs` of which every jump was solved."""
-    rows = [r for r in read(path) if r["blind"] == mode and (runs is None or int(r["run"]) in runs)]
-    whole = len({r["jump_s"] for r in rows})
+    rows = {key: r for key, r in read(path).items() if key[1] == mode and (runs is None or key[0] in runs)}
+    whole = len({jump for _, _, jump in rows})
     found: dict[int, list[float]] = {}
-    for r in rows:
+    for (run, _, _), r in rows.items():
         if r["status"] in Best.FOUND:
-            found.setdefault(int(r["run"]), []).append(float(r["bound_ft"]))
+            found.setdefault(run, []).append(float(r["bound_ft"]))
     return {run: max(errors) for run, errors in sorted(found.items()) if len(errors) == whole}
 
 
 def line(path: Path, mode: str, runs: Container[int]) -> dict[str, Any]:
     """The table's line of one kind of controller."""
     errors = np.array(list(bounds(path, mode, runs).values()))
-    rows = [r for r in read(path) if r["blind"] == mode and int(r["run"]) in runs]
+    rows = [r for key, r in read(path).items() if key[1] == mode and key[0] in runs]
     tried = len({r["run"] for r in rows})
     within = int((errors < WITHIN).sum())
     return {
         "blind": mode, "draws": len(errors), "unsolved": tried - len(errors),
         "within_20_ft": within / len(errors), "interval": list(wilson(within, len(errors))),
-        **{f"{name}_ft": float(np.quantile(errors, q)) for name, q in (("median", 0.5), ("p90", 0.9), ("max", 1.0))},
+        **{f"{name}_ft": float(np.quantile(errors, q)) for name, q in QUANTILES.items()},
         "seconds_per_draw": sum(float(r["seconds"]) for r in rows) / tried,
         "flown_apart_ft": max(float(r["apart_ft"]) for r in rows),
         "flown_above_ft": max(float(r["flown_ft"]) - float(r["bound_ft"]) for r in rows),
-        "rank_correlation": {group: float(spearmanr([float(r[group]) for r in rows],
-                                                    [float(r["bound_ft"]) for r in rows]).statistic)
-                             for group in GROUPS},
+        "rank_correlation": {group: rank_correlation(rows, group) for group in GROUPS},
     }
+
+
+def rank_correlation(rows: list[dict[str, str]], group: str) -> float | None:
+    """Spearman's, of a group's scale after the jump with the bound; None where a draw has several jumps."""
+    if len({r["jump_s"] for r in rows}) > 1:
+        return None
+    return float(spearmanr(*([float(r[name]) for r in rows] for name in (group, "bound_ft"))).statistic)
 
 
 # --- what the figures do not depend on ---------------------------------------------------------------------------
