@@ -6,12 +6,14 @@ from test_cases import ahv
 
 from cosim.errors import UsageError
 from cosim.vehicle import scenarios
-from cosim.vehicle.closed_loop import closed_loop
+from cosim.vehicle.closed_loop import assignments, closed_loop
+from cosim.vehicle.run import run
 from cosim.vehicle.scenarios import Scenario
 
 
-def recorded(tmp_path, *words):
-    ahv("run", *words, "--stop", 1, "--out", tmp_path / "out")
+def recorded(tmp_path, scenario, *words, preset=None):
+    """run.json of a second of `scenario`, flown with --set `words`."""
+    run(str(scenario), preset=preset, values=assignments(words), stop=1.0, out=tmp_path / "out")
     return json.loads((tmp_path / "out" / "run.json").read_text())
 
 
@@ -27,7 +29,7 @@ def scenario_values(loop):
 def test_the_command_line_wins_over_the_scenario_and_that_over_the_default(said, in_file, expected, origin, tmp_path):
     presets = f"presets: {{controller: {in_file}}}\n" if in_file else ""
     (tmp_path / "own.yaml").write_text(f"name: own\nstop: 1\n{presets}")
-    record = recorded(tmp_path, tmp_path / "own.yaml", *(["--preset", said] if said else []))
+    record = recorded(tmp_path, tmp_path / "own.yaml", preset=said)
     assert record["preset"] == expected
     assert record["presets"]["controller"] == {"name": expected, "from": origin}
 
@@ -48,7 +50,7 @@ def test_commands_follow_the_start_unless_they_are_set():
 
 
 def test_hold_at_another_speed_holds_there(tmp_path):
-    record = recorded(tmp_path, "hold", "--set", "plant.V_start=9000")
+    record = recorded(tmp_path, "hold", "plant.V_start=9000")
     assert record["velocity_error_fps"]["max_abs"] < 1e-6
 
 
@@ -56,7 +58,7 @@ def test_hold_at_another_speed_holds_there(tmp_path):
                                            ("0.02 rad", 0.02), ("-1.5e-1deg", -0.0026179938779914941), ("0.02", 0.02),
                                            ("2e-2", 0.02), ("2e-2rad", 0.02)])
 def test_a_value_may_have_a_unit(word, expected, tmp_path):
-    record = recorded(tmp_path, "hold", "--set", "plant.start_at_trim=false", "--set", f"plant.theta_start={word}")
+    record = recorded(tmp_path, "hold", "plant.start_at_trim=false", f"plant.theta_start={word}")
     assert record["parameters"]["plant"]["theta_start"] == pytest.approx(expected, rel=1e-14)
 
 
