@@ -5,7 +5,10 @@ import subprocess
 import numpy as np
 import pyarrow.parquet
 import pytest
+from evidence import fly
 from places import AHV
+
+from cosim.vehicle.metrics import metrics
 
 
 def ahv(*words, cwd=None, status=0):
@@ -35,14 +38,14 @@ def test_the_calibrated_controller_flies_the_case_within_its_limits(case, flavou
 
 
 @pytest.mark.parametrize("case", ["case1", "case2"])
-def test_figures_stay_within_ten_per_cent_from_1_to_20_ms_and_50_ms_still_flies(case, tmp_path):
-    reference = flown(tmp_path, case, "--flavour", "native")
+def test_figures_stay_within_ten_per_cent_from_1_to_20_ms_and_50_ms_still_flies(case):
+    reference = metrics(fly(case))
     for step in (0.001, 0.005, 0.02):
-        found = flown(tmp_path, case, "--flavour", "native", "--step", step)
+        found = metrics(fly(case, step=step))
         for group, key in FIGURES:
             assert found[group][key] == pytest.approx(reference[group][key], rel=0.1), (step, group, key)
-    slow = flown(tmp_path, case, "--flavour", "native", "--step", 0.05)
-    assert slow["finished"] and slow["altitude_error_ft"]["max_abs"] < 20
+    slow = fly(case, step=0.05)
+    assert slow.finished and metrics(slow)["altitude_error_ft"]["max_abs"] < 20
 
 
 def test_a_run_leaves_signals_with_units_a_record_and_figures(tmp_path):
