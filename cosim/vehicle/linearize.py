@@ -10,12 +10,12 @@ from typing import Any
 
 from ..errors import RunError, UsageError
 from . import scenarios
-from .closed_loop import CLOSED_LOOP, Values, closed_loop, merged
+from .closed_loop import LINKS, Values, closed_loop, merged
 from .registry import LAWS, PLANTS
 
 ACTUATORS, SENSORS, COMMANDS = (
-    [f"{source}.{name}" for name in dict((at[:2], at[2]) for at in CLOSED_LOOP)[source, target]]
-    for source, target in (("controller", "plant"), ("plant", "controller"), ("scenario", "controller")))
+    [f"{source}.{name}" for source, target, name in LINKS if (source, target) == ends]
+    for ends in (("controller", "plant"), ("plant", "controller"), ("scenario", "controller")))
 GROUPS = ("thrust", "lift", "drag", "moment", "forces")
 
 
@@ -66,7 +66,7 @@ def from_files(controller: str, preset: str | None, plant: str, V: float, h: flo
                                       **{f"scale_{group}_base": scale for group in GROUPS}}}
     loop = closed_loop(scenarios.load("hold"), controller, plant, presets={"controller": preset} if preset else {},
                        values=merged(commanded, start, values))
-    there = {f"{link.source}" for link in loop.system.connections}
+    there = {link.source for link in loop.system.connections}
     found = linearize_files(loop.system, ACTUATORS, [s for s in SENSORS if s in there], step,
                             commands=[c for c in COMMANDS if c in there])
     rest = found["equilibrium"]
