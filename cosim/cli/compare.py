@@ -36,4 +36,4 @@ def compare(
         report_rows(summary["controllers"])
         print(f"{summary['verdict']} Figures: {summary['out']}")
     if not all(flight.finished for flight in flights.values()):
-        raise RunError(" ".join(f"{law}: {flight.message}" for law, flight in flights.items() if flight.message))
+        raise RunError("; ".join(f"{law}: {flight.message}" for law, flight in flights.items() if flight.message))
