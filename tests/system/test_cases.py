@@ -28,7 +28,8 @@ FIGURES = (("altitude_error_ft", "max_abs"), ("altitude_error_ft", "rms"),
 
 
 @pytest.mark.parametrize("case,flavour", [  # test_native_twins flies both flavours of both cases and finds them equal
-    ("case1", "python"), ("case1", "native"), ("case2", "native"), pytest.param("case2", "python", marks=pytest.mark.slow)])
+    ("case1", "python"), ("case1", "native"), ("case2", "native"),
+    pytest.param("case2", "python", marks=pytest.mark.slow)])
 def test_the_calibrated_controller_flies_the_case_within_its_limits(case, flavour, tmp_path):
     found = flown(tmp_path, case, "--flavour", flavour)
     assert found["finished"] and found["departed_at_s"] is None
