@@ -155,8 +155,7 @@ def closed_loop(scenario: Scenario, controller: str = "neural", plant: str = "id
 
     `controller` and `plant` are words of the registry, or anybody's FMUs as NAME=FILE.fmu, relative to `folder`.
     `presets` (component -> name) and `values` stand over those of the scenario. `flavour` None is native where it is
-    built. `uncertainty` is the amplitude of
-    the coefficients that the scenario lets swing.
+    built. `uncertainty` is the amplitude of the coefficients that the scenario lets swing.
 
     Raises UsageError for what is not known or does not fit.
     """
@@ -168,7 +167,7 @@ def closed_loop(scenario: Scenario, controller: str = "neural", plant: str = "id
              "plant": chosen("plant", plant, PLANTS, flavour, folder)}
     names, said_by = whose_preset(presets or {}, scenario, {c: part.preset for c, part in parts.items()})
     given = merged(assignments([f"{name}={value}" for name, value in scenario.set.items()]), values or {})
-    check_scenario(scenario, parts)
+    check_scenario(scenario, parts, {c for c, origin in said_by.items() if origin == "scenario"})
     for component in {*names, *given} - set(parts):
         raise UsageError(no_component(component, parts))
     commanded = following(parts["plant"].fmu, given.get("plant", {}))
@@ -180,19 +179,19 @@ def closed_loop(scenario: Scenario, controller: str = "neural", plant: str = "id
     foreign = {c for c, part in parts.items() if not part.ours}
     links, notes = fitting(components, foreign) if foreign else (LINKS, [])
     return ClosedLoop(wired(**components, links=links), parts["controller"].name, parts["plant"].name, flavour, names,
-                      said_by,
-                      bool(foreign), notes)
+                      said_by, bool(foreign), notes)
 
 
-def check_scenario(scenario: Scenario, parts: Mapping[str, Choice]) -> None:
-    """Raises UsageError, with file and line where there is one, for a preset or a value that the FMUs do not have."""
+def check_scenario(scenario: Scenario, parts: Mapping[str, Choice], flown: set[str]) -> None:
+    """Raises UsageError, with file and line where there is one, for a value that the FMUs do not have, and for such a
+    preset of a component in `flown`: the scenario's presets of others are replaced by the command line's."""
     from ..master.fmu import preset
 
-    for component, name in scenario.presets.items():
+    for component in flown:
         with scenario.at("presets", component):
             if component not in parts:
                 raise UsageError(no_component(component, parts))
-            preset(parts[component].fmu, name)
+            preset(parts[component].fmu, scenario.presets[component])
     for component, part in parts.items():
         mine = {name: value for name, value in scenario.set.items() if name.partition(".")[0] == component}
         if mine:

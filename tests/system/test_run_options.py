@@ -98,3 +98,10 @@ def test_info_shows_what_can_be_set(word, lines):
 
 def test_info_of_a_word_that_is_nothing_suggests_one():
     assert "did you mean plant?" in ahv("info", "plnt", status=2)
+
+
+def test_a_scenario_s_preset_that_the_command_line_replaces_need_not_be_one_of_this_law():
+    steady = Scenario(name="own", stop=5, presets={"controller": "steady"})
+    assert closed_loop(steady, "backstepping", presets={"controller": "calibrated"}).preset == "calibrated"
+    with pytest.raises(UsageError, match=r"AhvBackstepping\.fmu has no preset steady"):
+        closed_loop(steady, "backstepping")
