@@ -135,6 +135,12 @@ class FmuFile:
                              f"FMI 2.0 co-simulation is what runs here.")
         return cls(path, folder, description, hashlib.sha256(path.read_bytes()).hexdigest())
 
+    def __enter__(self) -> "FmuFile":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
     def close(self) -> None:
         """Remove the extracted files."""
         shutil.rmtree(self.folder, ignore_errors=True)

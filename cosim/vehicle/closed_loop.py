@@ -1,18 +1,13 @@
 """The closed loop as a system: which FMU files, which presets, which values, wired how."""
 import os
-from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from ..errors import UsageError
 from ..master.system import Component, Connection, System, Value
 from .registry import LAWS, PLANTS, SCENARIO, Model
 from .scenarios import Scenario
-
-if TYPE_CHECKING:
-    from ..master.fmu import FmuFile
 
 DIST = Path(__file__).parents[2] / "fmus" / "dist"
 FLAVOURS = ("python", "native")
@@ -185,7 +180,7 @@ def closed_loop(scenario: Scenario, controller: str = "neural", plant: str = "id
 def check_scenario(scenario: Scenario, parts: Mapping[str, Choice], flown: set[str]) -> None:
     """Raises UsageError, with file and line where there is one, for a value that the FMUs do not have, and for such a
     preset of a component in `flown`: the scenario's presets of others are replaced by the command line's."""
-    from ..master.fmu import preset
+    from ..master.fmu import FmuFile, preset
 
     for component in flown:
         with scenario.at("presets", component):
@@ -195,7 +190,7 @@ def check_scenario(scenario: Scenario, parts: Mapping[str, Choice], flown: set[s
     for component, part in parts.items():
         mine = {name: value for name, value in scenario.set.items() if name.partition(".")[0] == component}
         if mine:
-            with opened(part.fmu) as file:
+            with FmuFile.open(part.fmu) as file:
                 for name, value in mine.items():
                     with scenario.at("set", name):
                         file.checked(name.partition(".")[2], value, component)
@@ -214,7 +209,9 @@ def following(plant: Path, values: Mapping[str, Value]) -> dict[str, Value]:
     """The scenario's commands that follow a start among `values`. Raises UsageError for a start that is not allowed."""
     if not set(FOLLOWS.values()) & set(values):
         return {}
-    with opened(plant) as file:
+    from ..master.fmu import FmuFile  # fmpy is slow to import
+
+    with FmuFile.open(plant) as file:
         return {command: file.checked(start, values[start], "plant")
                 for command, start in FOLLOWS.items() if start in values}
 
@@ -263,18 +260,8 @@ def fitting(components: Mapping[str, Component], foreign: set[str]) -> tuple[lis
 
 def ports_of(path: Path) -> dict[str, tuple[str, str]]:
     """Name -> (causality, unit or "") of an FMU's inputs and outputs. Raises UsageError for no such FMU."""
-    with opened(path) as file:
+    from ..master.fmu import FmuFile
+
+    with FmuFile.open(path) as file:
         return {v.name: (v.causality, v.unit or "") for v in file.description.modelVariables
                 if v.causality in ("input", "output")}
-
-
-@contextmanager
-def opened(path: Path) -> Iterator["FmuFile"]:
-    """The FMU at `path`, extracted for as long as the context lasts. Raises UsageError for no such FMU."""
-    from ..master.fmu import FmuFile  # fmpy is slow to import
-
-    file = FmuFile.open(path)
-    try:
-        yield file
-    finally:
-        file.close()

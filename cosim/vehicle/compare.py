@@ -83,11 +83,8 @@ def figures_of(flight: Flight) -> dict[str, Any]:
 
 def size_of(path: Path, preset: str | None) -> dict[str, int | None]:
     """States (as a native FMU's sources tell), parameters, and parameters that the preset sets."""
-    file = FmuFile.open(path)
-    try:
+    with FmuFile.open(path) as file:
         parameters, tuned = len(file.names("parameter")), len(file.preset(preset)) if preset else None
-    finally:
-        file.close()
     with zipfile.ZipFile(path) as archive:
         header = archive.read("sources/model.h").decode() if "sources/model.h" in archive.namelist() else ""
     states = re.search(r"\bNX = (\d+)", header)
