@@ -3,7 +3,9 @@
 Words and JSON keys are a contract. Errors are one sentence on stderr: exit status 1 for a run that failed, 2 for a
 request that cannot be carried out.
 """
+import os
 import re
+import signal
 import sys
 from typing import Annotated
 
@@ -35,6 +37,8 @@ def ahv(version: Annotated[bool, typer.Option("--version", callback=show_version
 
 def main() -> None:
     """Entry point: errors become one sentence on stderr and an exit status."""
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))  # so that temporary files are removed
+    keep_output_apart()
     try:
         app(args=with_factor(sys.argv[1:]))
     except UsageError as error:
@@ -43,6 +47,13 @@ def main() -> None:
         sys.exit(complain(error, 1))
     except ModuleNotFoundError as error:
         sys.exit(complain(f"{error}. `make setup` installs all packages.", 2))
+
+
+def keep_output_apart() -> None:
+    """What an FMU prints goes to standard error: standard output is for our answers alone."""
+    ours = os.dup(1)
+    os.dup2(2, 1)
+    sys.stdout = open(ours, "w", encoding=sys.stdout.encoding, errors=sys.stdout.errors)
 
 
 def with_factor(words: list[str]) -> list[str]:

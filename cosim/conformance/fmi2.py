@@ -70,9 +70,12 @@ class Mark:
 
     @staticmethod
     def read(file: Path) -> tuple[int, str]:
-        """The counter and the name of the last call, for the parent."""
-        count, call = struct.unpack("<Q64s", file.read_bytes()[:MARK_BYTES])
-        return count, call.rstrip(b"\0").decode()
+        """The counter and the name of the last call, for the parent; no name if the FMU spoilt the file."""
+        try:
+            count, call = struct.unpack("<Q64s", file.read_bytes()[:MARK_BYTES])
+        except (OSError, struct.error):
+            return 0, "a call"
+        return count, call.rstrip(b"\0").decode("utf-8", "replace")
 
 
 class Library:

@@ -37,6 +37,7 @@ class Report:
     fmu: Path
     findings: list[Finding] = field(default_factory=list)
     not_tested: list[NotTested] = field(default_factory=list)
+    sandbox: str = ""  # what was around the FMU when it ran: bwrap, unshare, none; empty if it did not run
 
     def add(self, rule: str, fault: Fault, severity: str | None = None) -> None:
         """Note a breach of `rule`; a probe may state a milder `severity` than the rule's own."""
@@ -78,6 +79,7 @@ def to_dict(report: Report) -> dict[str, Any]:
         "counts": {severity: counts[severity] for severity in SEVERITIES},
         "findings": [asdict(f) for f in report.sorted_findings()],
         "not_tested": [asdict(n) for n in report.not_tested],
+        "sandbox": report.sandbox,
     }
 
 
@@ -99,7 +101,8 @@ def findings_table(report: Report) -> Table:
 
 def not_tested_table(report: Report) -> Table:
     """What was not tested, and why, as a table for a terminal."""
-    table = Table(title=f"{report.fmu.name}: not tested", title_justify="left")
+    ran = f" (it ran in the sandbox: {report.sandbox})" if report.sandbox else ""
+    table = Table(title=f"{report.fmu.name}: not tested{ran}", title_justify="left")
     table.add_column("what")
     table.add_column("why", overflow="fold")
     for item in report.not_tested:

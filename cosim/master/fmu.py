@@ -25,6 +25,7 @@ from fmpy.logging import addLoggerProxy
 from fmpy.model_description import ModelDescription, ScalarVariable
 
 from ..errors import RunError, UsageError, did_you_mean
+from ..text import printable
 from . import last_call
 from .quantities import in_unit_of
 from .system import Value
@@ -133,6 +134,11 @@ class FmuFile:
             shutil.rmtree(folder, ignore_errors=True)
             raise UsageError(f"{path} is FMI {description.fmiVersion} or has no co-simulation interface; "
                              f"FMI 2.0 co-simulation is what runs here.")
+        identifier = description.coSimulation.modelIdentifier or ""
+        if not identifier.isprintable() or set(identifier) & set("/\\"):  # it names the library that is loaded
+            shutil.rmtree(folder, ignore_errors=True)
+            raise UsageError(f"{path} cannot be opened: its modelIdentifier '{printable(identifier)}' is no name of a "
+                             f"file in the FMU.")
         return cls(path, folder, description, hashlib.sha256(path.read_bytes()).hexdigest())
 
     def __enter__(self) -> "FmuFile":

@@ -71,9 +71,9 @@ class Difference:
 class Bench:
     """One loaded FMU in the child process."""
 
-    def __init__(self, job: Job, mark: Mark, results: Path):
+    def __init__(self, job: Job, mark: Mark, answers: int):
         self.job = job
-        self.results_file = results
+        self.answers = answers
         self.mark = mark
 
     @cached_property
@@ -97,7 +97,7 @@ class Bench:
 
     def write_line(self, line: dict[str, object]) -> None:
         """Write one line of JSON for the parent."""
-        with self.results_file.open("a", encoding="utf-8") as file:
+        with open(self.answers, "w", encoding="utf-8", closefd=False) as file:
             file.write(json.dumps(line) + "\n")
 
     # --- legal lives ----------------------------------------------------------------------------------

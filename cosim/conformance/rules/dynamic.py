@@ -9,6 +9,7 @@ DYNAMIC_RULES = tuple(
         ("types-platform", "2.1.4", WARNING, "fmi2GetTypesPlatform returns default."),
         ("crash", "2.1.3", ERROR, "No call ends the process; problems are told by the returned status."),
         ("hang", "2.1.3", ERROR, "Every call returns within the time limit."),
+        ("limits", "2.1.3", ERROR, "The FMU stays within the check's limits and leaves alone what it did not open."),
         ("instantiate", "2.1.5", ERROR, "fmi2Instantiate gives an instance for the GUID of the XML file."),
         ("second-instance", "4.3.1", ERROR, "A second instance exists beside the first, unless that is ruled out."),
         ("isolation", "4.3.1", ERROR, "An instance gives the same bits whatever another instance does."),

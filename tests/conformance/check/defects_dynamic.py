@@ -17,6 +17,7 @@ DEFECTS = tuple(
         ("load", "UNRESOLVED", "needs a function that no library has"),
         ("version", "VERSION", "fmi2GetVersion says 2.1"),
         ("types-platform", "TYPES_PLATFORM", "fmi2GetTypesPlatform says other"),
+        ("limits", "SPOILS", "it writes to files that it did not open"),
         ("instantiate", "NO_INSTANCE", "fmi2Instantiate returns a null pointer"),
         ("second-instance", "ONE_INSTANCE", "a second instance is refused"),
         ("isolation", "SHARED", "instances share their values"),
