@@ -47,13 +47,17 @@ class Limits:
 
 
 @cache
-def sandbox(work: str = "/tmp") -> str | None:
+def sandbox() -> str | None:
     """The first sandbox that works here, or None."""
-    for name, prefix in SANDBOXES.items():
-        with contextlib.suppress(OSError, subprocess.SubprocessError):
-            if subprocess.run([*prefix(work), "true"], capture_output=True, timeout=10).returncode == 0:
-                return name
-    return None
+    return next(filter(works, SANDBOXES), None)
+
+
+def works(name: str) -> bool:
+    """Whether this machine has a sandbox and lets us use it."""
+    try:
+        return subprocess.run([*SANDBOXES[name]("/tmp"), "true"], capture_output=True, timeout=10).returncode == 0
+    except (OSError, subprocess.SubprocessError):
+        return False
 
 
 class Confined:

@@ -2,7 +2,6 @@
 import json
 import os
 import re
-import shutil
 import signal
 import subprocess
 import time
@@ -18,14 +17,10 @@ from cosim.conformance.confined import Limits
 SMALL = Limits(call_s=5, memory_mb=300, file_mb=8, processes=10)
 
 
-@pytest.fixture(params=[*confined.SANDBOXES, None], ids=str)
-def sandbox(request, monkeypatch, tmp_path):
+@pytest.fixture(params=[*filter(confined.works, confined.SANDBOXES), None], ids=str)
+def sandbox(request, monkeypatch):
     """Each sandbox that works here, and none."""
     name = request.param
-    if name:
-        command = [*confined.SANDBOXES[name](str(tmp_path)), "true"]
-        if not shutil.which(command[0]) or subprocess.run(command, capture_output=True).returncode:
-            pytest.skip(f"{name} does not work on this machine")
     monkeypatch.setattr("cosim.conformance.confined.sandbox", lambda: name)
     monkeypatch.setattr("cosim.conformance.dynamic.sandbox", lambda: name)
     return name
@@ -46,7 +41,8 @@ def left_behind():
 
 
 @pytest.mark.parametrize("defect, said", [
-    ("HOGS", "more than 300 MB of memory"), ("BIG_FILE", "a file of more than 8 MB"), ("FORKS", "more than 10 processes")])
+    ("HOGS", "more than 300 MB of memory"), ("BIG_FILE", "a file of more than 8 MB"),
+    ("FORKS", "more than 10 processes")])
 def test_a_limit_is_named_with_the_call_that_passed_it(tmp_path, sandbox, defect, said):
     report = check(hostile(tmp_path, defect), limits=SMALL)
     assert len(limits(report)) == 1 and limits(report)[0].startswith(f"{said}, in fmi2"), report.findings
