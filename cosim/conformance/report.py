@@ -10,6 +10,7 @@ from ..text import html_table, html_text, printable
 from .rule import ERROR, RULES, SEVERITIES
 from .subject import Fault
 
+MOST_ROWS = 100
 COLOURS = {"error": "bold red", "warning": "yellow", "note": "dim"}
 
 
@@ -89,13 +90,19 @@ def counted(report: Report) -> str:
 
 
 def findings_table(report: Report) -> Table:
-    """The findings as a table for a terminal (`rich.print` it)."""
+    """The findings as a table for a terminal (`rich.print` it): of one rule and severity the first MOST_ROWS."""
     table = Table(title=f"{report.fmu.name}: {counted(report)}", title_justify="left", show_lines=False)
     for heading in ("severity", "rule", "section", "variable", "found", "expected"):
         table.add_column(heading, overflow="fold")
+    seen: Counter[tuple[str, str]] = Counter()
     for f in report.sorted_findings():
-        severity = f"[{COLOURS[f.severity]}]{f.severity}[/]"
-        table.add_row(severity, f.rule, f.section, *map(without_markup, (f.variable, f.found, f.expected)))
+        seen[f.severity, f.rule] += 1
+        if seen[f.severity, f.rule] <= MOST_ROWS:
+            severity = f"[{COLOURS[f.severity]}]{f.severity}[/]"
+            table.add_row(severity, f.rule, f.section, *map(without_markup, (f.variable, f.found, f.expected)))
+    for (severity, rule), number in seen.items():
+        if number > MOST_ROWS:
+            table.add_row(severity, rule, "", f"{number - MOST_ROWS} more", "`ahv check --json` lists them", "")
     return table
 
 
