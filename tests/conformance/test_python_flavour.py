@@ -99,7 +99,7 @@ def test_an_input_that_is_no_number_never_reaches_a_state(python_fmus, bad):
     with running(python_fmus["AhvPlant"]) as plant:
         step(plant, 0.0, 0.01)
         before = outputs(plant)
-        with pytest.raises(RunError, match=r"elevator = (nan|-?inf) is not a finite number and was refused at t = 0\.01"):
+        with pytest.raises(RunError, match=r"elevator = (nan|-?inf) is not a finite number and was refused"):
             plant.set({"elevator": bad})
         with pytest.raises(RunError, match=r"elevator = (nan|-?inf) is not a finite number at t = 0\.01 s"):
             step(plant, 0.01, 0.01)
