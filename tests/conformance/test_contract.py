@@ -264,6 +264,49 @@ def test_each_call_in_each_state(file, call, argument, state):
     file.dll.fmi2FreeInstance(c_void_p(fmu.component))
 
 
+def test_outputs_can_be_read_before_anything_is_set_and_again_after_a_reset(file):
+    """As they are after initialisation with the start values."""
+    fmu = Talk(file)
+    first = fmu.everything()
+    fmu.bring_to("stepping")
+    assert fmu.everything() != first
+    assert fmu.call("Reset") == "OK" and fmu.everything() == first
+    fmu.set("Real", V_start=8000.0)
+    assert fmu.call("Reset") == "OK"
+    fmu.setup()
+    fmu.call("EnterInitializationMode")
+    fmu.call("ExitInitializationMode")
+    assert fmu.everything() == first and 7700.0 in first
+    file.dll.fmi2FreeInstance(c_void_p(fmu.component))
+
+
+def test_an_input_that_was_refused_is_taken_once_it_is_a_number(file):
+    fmu = Talk(file)
+    fmu.bring_to("initialising")
+    fmu.set("Real", elevator=math.nan, fuel_ratio=0.3)
+    assert fmu.get("Real", "elevator", "fuel_ratio") == "OK"
+    assert list(fmu.values) == [pytest.approx(math.radians(12.511)), 0.3]
+    assert fmu.call("ExitInitializationMode") != "OK"
+    fmu.set("Real", elevator=0.2)
+    assert fmu.call("ExitInitializationMode") == "OK"
+    fmu.set("Real", elevator=math.inf)
+    assert fmu.step() != "OK"
+    fmu.set("Real", elevator=0.2)
+    assert fmu.step() == "OK"
+    file.dll.fmi2FreeInstance(c_void_p(fmu.component))
+
+
+def test_a_step_that_is_refused_is_no_end_of_the_simulation(file):
+    """What can be asked afterwards: fmi2Terminated is false, and the last successful time is that of the last step."""
+    fmu, time, ended = Talk(file), c_double(), c_int(7)
+    fmu.bring_to("stepping")
+    for act in (lambda: fmu.step(0.0), lambda: fmu.step(time=math.nan), lambda: fmu.step(time=STOP)):
+        assert act() != "OK"
+        assert fmu.call("GetBooleanStatus", TERMINATED, byref(ended)) == "OK" and ended.value == 0
+        assert fmu.call("GetRealStatus", LAST_SUCCESSFUL_TIME, byref(time)) == "OK" and time.value == STEP
+    file.dll.fmi2FreeInstance(c_void_p(fmu.component))
+
+
 def test_every_call_of_the_standard_is_in_the_table():
     called = {call for call, *_ in ROWS} | {"FreeInstance", "GetTypesPlatform", "GetVersion", "SerializedFMUstateSize"}
     header = (Path(fmpy.__file__).parent / "c-code" / "fmi2FunctionTypes.h").read_text()
