@@ -191,7 +191,6 @@ class ModelSlave(Fmi2Slave):  # type: ignore[misc]
         if reason:
             raise Refused(f"{self.model.NAME} cannot start: {reason}")
         self.stale = False
-        self.prepared = None
 
     def accept(self, x: list[float], time: float) -> str | None:
         """Take `x` and the outputs it gives as the state at `time`, or return why not."""

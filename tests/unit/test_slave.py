@@ -136,7 +136,8 @@ def test_the_most_internal_steps_are_ten_million():
     assert slave.prepare(0.01)[1] == 10_000_000 and calls == []
 
 
-@pytest.mark.parametrize("u, reason", [(-1000.0, "y = -98.8 is below its minimum -50"), (1e5, "above its maximum 1000")])
+@pytest.mark.parametrize("u, reason", [(-1000.0, "y = -98.8 is below its minimum -50"),
+                                       (1e5, "above its maximum 1000")])
 def test_a_step_out_of_the_models_range_leaves_all_as_it_was(u, reason):
     slave, _ = started()
     slave.do_step(0.0, 0.1)
