@@ -5,7 +5,7 @@ VARIABLES = [
     ("growth", "input", "1", 1.0, None, None, 1.0, "factor on a hidden state in each internal step"),
     ("on", "input", "", False, None, None, None, "passed on"),
     ("now", "output", "s", None, -1e9, 1e9, 1.0, "time of the outputs"),
-    ("steps", "output", "1", None, None, 1000.0, 1.0, "internal steps taken"),
+    ("steps", "output", "1", None, None, None, 1.0, "internal steps taken"),
     ("times", "output", "s", None, None, None, 1.0, "sum of the times at which they began"),
     ("length", "output", "s", None, None, None, 1.0, "length of the last one"),
     ("is_on", "output", "", None, None, None, None, "on, directly"),

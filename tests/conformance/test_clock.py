@@ -14,6 +14,7 @@ SHOWN = ("now", "steps", "times", "length")
 @pytest.fixture(scope="module", params=["native", "python"])
 def clock(request, tmp_path_factory):
     with Loaded(build(clock_model, request.param, tmp_path_factory.mktemp("clock"))) as member:
+        member.native = request.param == "native"
         member.fresh = member.slave.getFMUState()
         yield member
 
@@ -45,6 +46,16 @@ def test_a_step_is_divided_as_far_as_needed_and_rounding_is_no_need(clock, step,
     begun(clock)
     clock.slave.doStep(0.0, step)
     assert clock.get("steps", "length") == [count, pytest.approx(step / count, rel=1e-15)]
+
+
+def test_the_most_internal_steps_are_ten_million(clock):
+    begun(clock, internal_step=1e-6)
+    with pytest.raises(FMICallException):
+        clock.slave.doStep(0.0, 10.001)
+    assert clock.get(*SHOWN) == [0.0] * 4
+    if clock.native:  # Python takes seconds for them
+        clock.slave.doStep(0.0, 9.999)
+        assert clock.get("steps") == [9_999_000.0]
 
 
 def test_steps_of_another_length_are_prepared_anew(clock):
