@@ -26,6 +26,7 @@ POLL_S = 0.05
 MOST_LIMITS = 4  # a probe whose calls all return is given up after this many time limits
 FATAL_RULES = {"dynamic.load": "the FMU cannot be loaded", "dynamic.hang": "the FMU hangs",
                "dynamic.limits": "the FMU passed a limit"}
+ONCE = ("dynamic.fatal", "dynamic.log-refusal")  # an FMU that does so does so for any call
 FLAGS = ("canHandleVariableCommunicationStepSize", "canInterpolateInputs", "canRunAsynchronuously",
          "needsExecutionTool", "canBeInstantiatedOnlyOncePerProcess", "canGetAndSetFMUstate", "canSerializeFMUstate",
          "providesDirectionalDerivative")
@@ -38,7 +39,13 @@ def run(fmu: Fmu, report: Report, work: Path, limits: Limits, cycles: int) -> No
         report.skip("everything dynamic", f"no binary for this platform (binaries/{host_platform()})")
         return
     report.sandbox = sandbox() or "none"
-    job = make_job(fmu, library, limits.call_s, cycles)
+    run_probes(make_job(fmu, library, limits.call_s, cycles), report, work, limits)
+    for rule in ONCE:
+        report.merge(rule)
+
+
+def run_probes(job: Job, report: Report, work: Path, limits: Limits) -> None:
+    """Run the job's probes, in a new child process where one has ended."""
     deadline = time.monotonic() + limits.total_s
     while job.probes:
         done = run_child(job, report, work, limits, deadline)
