@@ -63,8 +63,7 @@ class Outcome:
 
 def requests(job: Job, first: int, last: int) -> Iterator[Request]:
     """Runs first ... last - 1, of each law."""
-    for k in range(first, last):
-        u = job.sampler.uniforms(k)
+    for k, u in zip(range(first, last), job.sampler.points(first, last)):
         keep = keeps_signals(job.sampler.seed, k, job.keep_share)
         for law in job.systems:
             drawn = draw(job.draws[law], u)
