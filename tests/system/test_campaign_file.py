@@ -29,7 +29,15 @@ WRONG = {
     "a field too many": ("seed: 3", "seed: 3\ncolour: red", "line 6: colour: there is no such field"),
     "a key twice": ("seed: 3", "seed: 3\nruns: 9", "line 6: runs is given twice"),
     "no runs": ("runs: 8", "runs: 0", "line 4: runs: Input should be greater than or equal to 1, not 0"),
-    "a word for a number": ("seed: 3", "seed: three", "line 5: seed: Input should be a valid integer"),
+    "a word for a number": ("seed: 3", "seed: three", "line 5: seed: Input should be a valid integer, not 'three'"),
+    "half a seed": ("seed: 3", "seed: 1.5", "line 5: seed: Input should be a valid integer, not 1.5"),
+    "a truth for a seed": ("seed: 3", "seed: true", "line 5: seed: Input should be a valid integer, not True"),
+    "a letter for a seed": ("seed: 3", 'seed: "a"', "line 5: seed: Input should be a valid integer, not 'a'"),
+    "a seed below 0": ("seed: 3", "seed: -1", "line 5: seed: Input should be greater than or equal to 0, not -1"),
+    "a seed too large": ("seed: 3", "seed: 1.0e+30", "line 5: seed: Input should be a valid integer, not 1e+30"),
+    "a seed too long": ("seed: 3", f"seed: {2**63}", f"line 5: seed: Input should be less than {2**63}, not {2**63}"),
+    "half a run": ("runs: 8", "runs: 8.5", "line 4: runs: Input should be a valid integer, not 8.5"),
+    "truly runs": ("runs: 8", "runs: true", "line 4: runs: Input should be a valid integer, not True"),
     "an unknown scenario": ("case1", "caes1", "line 2: scenario: caes1 is neither a scenario"),
     "an unknown law": ("seed: 3",
                        "seed: 3\ncontrollers: [pid]", "line 6: controllers.0: --controller pid is not known"),
@@ -55,6 +63,14 @@ WRONG = {
     "a negative spread": ("std: 10", "std: -10", "line 7: dispersions.plant.mass.std: Input should be greater than 0"),
     "ends the wrong way round": ("low: 270", "low: 370", "line 7: dispersions.plant.mass: low must be below high"),
     "an end that is not allowed": ("low: 270, high: 330", "low: 270, high: 1e9", "plant.mass = "),
+    "half an end of whole numbers": ("distribution: normal, mean: 300, std: 10, low: 270, high: 330",
+                                     "distribution: integer, low: 270, high: 330.5",
+                                     "line 7: dispersions.plant.mass.high: Input should be a valid integer, not 330.5"),
+    "whole numbers the wrong way round": ("distribution: normal, mean: 300, std: 10, low: 270, high: 330",
+                                          "distribution: integer, low: 330, high: 330", "low must be below high"),
+    "weights without a sum": ("distribution: normal, mean: 300, std: 10, low: 270, high: 330",
+                              "distribution: choice, values: [290, 300], weights: [1.0e308, 1.0e308]",
+                              "line 7: dispersions.plant.mass: weights must be one for each of values, with a finite"),
     "a wave on no signal": ("scenario.scale_lift:",
                             "plant.chord:", "line 8: dispersions.plant.chord: plant.chord is no signal"),
     "a period of nothing": ("period: 40",
@@ -69,6 +85,11 @@ WRONG = {
                                    "[[1, 2], [2, 1]]\nsuccess:", "line 13: correlations.0: nothing can be correlated"),
     "a metric that is not there": ("altitude_error_ft.max_abs",
                                    "altitude_eror", "line 13: success.altitude: 'altitude_ero"),
+    "a maximum of one": ("altitude_error_ft.max_abs <", "max(altitude_error_ft.max_abs) <",
+                         "line 13: success.altitude: 'max(altitude_error_ft.max_abs) < 20': max takes two numbers"),
+    "an absolute value of two": ("altitude_error_ft.max_abs <", "abs(altitude_error_ft.max_abs, 1) <",
+                                 "line 13: success.altitude: 'abs(altitude_error_ft.max_abs, 1) < 20': abs takes one"),
+    "a great many signs": ("altitude_error_ft.max_abs", f"{'-' * 970}1", "nested more than 100 levels deep"),
     "a criterion that is none": ("altitude_error_ft.max_abs < 20", "elevator_deg.max", "is neither true nor false"),
     "code": ("altitude_error_ft.max_abs < 20", "__import__('os').getcwd() < 3", "is not allowed in an expression"),
     "signals that are not there": ("seed: 3",
@@ -95,6 +116,35 @@ def test_a_wrong_file_is_refused_with_line_and_field(before, after, sentence, tm
 def test_what_is_no_campaign_at_all_is_refused_too(text, tmp_path):
     with pytest.raises(UsageError, match=r"campaign\.yaml"):
         plan(text, tmp_path)
+
+
+@pytest.mark.parametrize("text", ["seed: 0", f"seed: {2**63 - 1}", "seed: 0x10"])
+def test_seeds_are_all_whole_numbers_of_63_bits(text, tmp_path):
+    assert plan(GOOD.replace("seed: 3", text), tmp_path).campaign.seed == int(text.partition(" ")[2], 0)
+
+
+def test_files_are_named_from_the_campaign_file_wherever_it_is_read_from(tmp_path, monkeypatch):
+    from cosim.campaign.rerun import command
+
+    there, here = tmp_path / "there", tmp_path / "here"
+    (there / "fmus").mkdir(parents=True)
+    here.mkdir()
+    monkeypatch.chdir(here)
+    (there / "own.yaml").write_text("name: own\nstop: 2\n")
+    for name in ("AhvPlant", "AhvController"):
+        (there / "fmus" / f"{name}.fmu").write_bytes((ROOT / "fmus" / "dist" / "native" / f"{name}.fmu").read_bytes())
+    text = GOOD.replace("scenario: case1\nstop: 1", "scenario: own.yaml\nplant: fmus/AhvPlant.fmu\n"
+                        "controllers: [mine=fmus/AhvController.fmu]")
+    found = plan(text, there)
+    assert found.stop == 2 and found.scenario.name == "own" and found.scenario_word == str(there / "own.yaml")
+    assert {path.parent for stored, path in found.fmus.items() if "Scenario" not in stored} == {there / "fmus"}
+    row = {"controller": "mine", "plant.mass": 300.0, "scenario.scale_lift_sine": 0.1,
+           "scenario.scale_lift_sine_phase": 1.0}
+    words = command(found, row).split()
+    assert words[2] == str(there / "own.yaml")
+    assert words[words.index("--plant") + 1] == str(there / "fmus" / "AhvPlant.fmu")
+    assert words[words.index("--controller") + 1] == f"mine={there / 'fmus' / 'AhvController.fmu'}"
+    assert "scenario.scale_lift_sine=0.1" in words and plan(GOOD, there).scenario_word == "case1"
 
 
 EXAMPLES = ROOT / "docs" / "campaigns"
