@@ -23,6 +23,13 @@ def test_a_run_draws_the_same_alone_in_any_order_and_after_any_others(sampling):
     assert len({tuple(u) for u in whole}) == 64
 
 
+@pytest.mark.parametrize("sampling", ["random", "latin-hypercube", "sobol"])
+def test_the_points_of_a_task_are_those_of_its_runs(sampling):
+    group = mixing(Correlation(draws=["c.a", "c.b"], coefficient=0.5), ["c.a", "c.b", "c.c"])
+    sampler = Sampler(sampling, 5, 20, 3, (group,))
+    assert np.array_equal(sampler.points(3, 11), [sampler.uniforms(k) for k in range(3, 11)])
+
+
 @pytest.mark.parametrize("sampling", ["random", "sobol"])
 def test_more_runs_do_not_change_the_first_ones(sampling):
     assert np.array_equal(Sampler(sampling, 5, 8, 3).uniforms(7), Sampler(sampling, 5, 800, 3).uniforms(7))
@@ -93,6 +100,8 @@ def test_a_cut_off_normal_stays_inside():
     values = [quantile(cut, u) for u in (0.0, 1e-9, 0.5, 1 - 1e-9, 1.0)]
     assert values == sorted(values) and values[0] == -1 and values[-1] == 0.5
     assert values[2] == pytest.approx(-0.1889682322)
+    rounded = Normal(distribution="normal", mean=2.64, std=2.68, low=-2.96, high=0.89)
+    assert quantile(rounded, 1.0) == 0.89  # not 0.8900000000000001
 
 
 @pytest.mark.parametrize("low,high,middle", [
@@ -167,4 +176,6 @@ def test_correlated_draws_keep_their_own_distribution(coefficient):
 def test_the_share_of_runs_with_signals_is_chosen_by_run():
     chosen = [keeps_signals(1, k, 0.2) for k in range(2000)]
     assert 340 < sum(chosen) < 460 and chosen == [keeps_signals(1, k, 0.2) for k in range(2000)]
+    draws = np.array([Sampler("random", 1, 1, 1).uniforms(k)[0] for k in np.flatnonzero(chosen)])
+    assert 0.4 < draws.mean() < 0.6  # it has nothing to do with what the run draws
     assert not any(keeps_signals(1, k, 0.0) for k in range(50)) and all(keeps_signals(1, k, 1.0) for k in range(50))

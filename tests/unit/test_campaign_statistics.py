@@ -25,7 +25,7 @@ RUNS, REPETITIONS, DRAWS = 200, 1000, 5
 
 @pytest.mark.parametrize("successes,runs,low,high", [
     (0, 10, 0.0, 0.3084971078), (10, 10, 0.6915028922, 1.0), (1, 10, 0.0025285785, 0.4450161170),
-    (5, 10, 0.1870860284, 0.8129139716), (0, 0, 0.0, 1.0),
+    (5, 10, 0.1870860284, 0.8129139716), (0, 0, 0.0, 1.0), (1, 1, 0.025, 1.0),
 ])
 def test_the_interval_is_clopper_and_pearson_s(successes, runs, low, high):
     assert interval(successes, runs) == pytest.approx((low, high), abs=1e-9)
@@ -114,6 +114,7 @@ def test_a_phase_s_correlation_does_not_depend_on_where_it_begins():
     phase = 2 * np.pi * np.arange(400) / 400
     found = [rank_correlation("s_sine_phase", phase, np.cos(phase - shift)) for shift in (0.0, 1.0, 2.5)]
     assert found == pytest.approx([found[0]] * 3, abs=1e-4) and 0.95 < found[0] < 1.0
+    assert rank_correlation("s_sine_phase", phase, np.exp(5 * np.cos(phase))) == pytest.approx(found[0])  # ranks only
     assert rank_correlation("s_sine_phase", phase, np.cos(2 * phase)) < 1e-2
     half = rank_correlation("s_sine_phase", phase, (np.cos(phase) < 0).astype(float))
     assert half == pytest.approx(8**0.5 / np.pi, abs=1e-3)  # of a square wave with its first harmonic
