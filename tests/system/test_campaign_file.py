@@ -83,6 +83,21 @@ WRONG = {
     "correlation that cannot be": ("success:",
                                    "correlations:\n- draws: [plant.mass, scenario.scale_lift_sine]\n  matrix: "
                                    "[[1, 2], [2, 1]]\nsuccess:", "line 13: correlations.0: nothing can be correlated"),
+    "correlation of nothing in particular": ("success:", "correlations:\n"
+                                             "- draws: [plant.mass, scenario.scale_lift_sine]\nsuccess:",
+                                             "line 13: correlations.0: either coefficient or matrix"),
+    "correlation with itself": ("success:", "correlations:\n- {draws: [plant.mass, plant.mass], coefficient: 0.5}\n"
+                                "success:", "line 13: correlations.0: draws must differ"),
+    "correlation of one draw twice": ("success:", "correlations:\n"
+                                      "- {draws: [plant.mass, scenario.scale_lift_sine], coefficient: 0.5}\n"
+                                      "- {draws: [scenario.scale_lift_sine_phase, plant.mass], coefficient: 0.5}\n"
+                                      "success:", "line 14: correlations.1: plant.mass is in two correlated groups"),
+    "correlation of a choice": ("success:", "  plant.chord: {distribution: choice, values: [16, 18]}\ncorrelations:\n"
+                                "- {draws: [plant.chord, plant.mass], coefficient: 0.5}\nsuccess:",
+                                "line 14: correlations.0: plant.chord is a choice and has no order to correlate by"),
+    "words times something": ("distribution: normal, mean: 300, std: 10, low: 270, high: 330",
+                              "distribution: choice, values: [a, b], relative: true",
+                              "line 7: dispersions.plant.mass: relative needs values that are numbers"),
     "a metric that is not there": ("altitude_error_ft.max_abs",
                                    "altitude_eror", "line 13: success.altitude: 'altitude_ero"),
     "a maximum of one": ("altitude_error_ft.max_abs <", "max(altitude_error_ft.max_abs) <",
@@ -145,6 +160,35 @@ def test_files_are_named_from_the_campaign_file_wherever_it_is_read_from(tmp_pat
     assert words[words.index("--plant") + 1] == str(there / "fmus" / "AhvPlant.fmu")
     assert words[words.index("--controller") + 1] == f"mine={there / 'fmus' / 'AhvController.fmu'}"
     assert "scenario.scale_lift_sine=0.1" in words and plan(GOOD, there).scenario_word == "case1"
+
+
+def test_what_is_said_of_a_law_wins_over_what_is_said_of_all(tmp_path):
+    found = plan(GOOD.replace("seed: 3", "seed: 3\nset: {plant.chord: 16, controller.elevator_max: 0.3}\n"
+                              "presets: {controller: robust}\ncontrollers:\n- neural\n"
+                              "- {law: neural, name: other, preset: calibrated, set: {plant.chord: 18}}"), tmp_path)
+    chord = {law: float(c.values["chord"]) for law, loop in found.loops.items() for c in loop.system.components
+             if c.name == "plant"}
+    assert chord == {"neural": 16, "other": 18}
+    assert {law: loop.presets["controller"] for law, loop in found.loops.items()} == {
+        "neural": "robust", "other": "calibrated"}
+
+
+def test_the_tasks_hold_all_runs_once_and_the_file_s_stop_wins(tmp_path):
+    found = plan(GOOD.replace("runs: 8", "runs: 41\nruns_per_task: 20"), tmp_path)
+    assert list(found.batches()) == [(0, 20), (20, 40), (40, 41)] and found.stop == 1 and found.job.ticks == 100
+    assert plan(GOOD.replace("runs: 8", "runs: 41"), tmp_path).runs_per_task == 3           # a 16th, rounded up
+    assert plan(GOOD.replace("runs: 8", "runs: 99999"), tmp_path).runs_per_task == 200
+    assert plan(GOOD.replace("runs: 8", "runs: 99999\nflavour: python"), tmp_path).runs_per_task == 40
+
+
+def test_what_determines_the_rows_is_in_the_fingerprint(tmp_path):
+    one = plan(GOOD, tmp_path)
+    for before, after in (("seed: 3", "seed: 4"), ("runs: 8", "runs: 9"), ("std: 10", "std: 11"), ("< 20", "< 21"),
+                          ("stop: 1", "stop: 2")):
+        assert plan(GOOD.replace(before, after), tmp_path).job.key != one.job.key
+    other = plan(GOOD.replace("name: small", "name: other\nworst_by: protected_s"), tmp_path)
+    assert other.job.key == one.job.key
+    assert (other.worst_by, one.worst_by) == ("protected_s", "altitude_error_ft.max_abs")
 
 
 EXAMPLES = ROOT / "docs" / "campaigns"
