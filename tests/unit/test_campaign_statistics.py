@@ -182,10 +182,10 @@ def test_drivers_come_with_the_strongest_first():
 
 
 def test_pairs_are_of_the_same_draws_where_both_laws_were_judged():
-    a = Results.of("a", rows("a", ["finished", "finished", "error", "departed", "departed", "finished", "finished"]))
-    b = Results.of("b", rows("b", ["finished", "departed", "finished", "crashed", "departed", "departed", "finished"]))
-    assert paired(a, b) == {"both": 2, "only a": 2, "only b": 0, "neither": 1, "not judged": 2}
-    assert paired(b, a) == {"both": 2, "only b": 0, "only a": 2, "neither": 1, "not judged": 2}
+    a = Results.of("a", rows("a", ["error", "finished", "finished", "departed", "departed", "finished", "finished"]))
+    b = Results.of("b", rows("b", ["finished", "departed", "crashed", "finished", "departed", "departed", "finished"]))
+    assert paired(a, b) == {"both": 1, "only a": 2, "only b": 1, "neither": 1, "not judged": 2}
+    assert paired(b, a) == {"both": 1, "only b": 1, "only a": 2, "neither": 1, "not judged": 2}
 
 
 def test_differences_of_phases_are_draws_too():
