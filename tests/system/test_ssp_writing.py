@@ -9,7 +9,7 @@ from fmpy.ssp.ssd import read_ssd
 from lxml import etree
 from test_cases import ahv
 
-from cosim.ssp.xml import SSD, SSV, schema
+from cosim.master.xml_file import SSD, SSV, schema
 
 SSC = "{http://ssp-standard.org/SSP1/SystemStructureCommon}"
 
