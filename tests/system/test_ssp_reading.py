@@ -22,6 +22,7 @@ from ssp_files import (
 )
 from test_cases import ahv
 
+from cosim import fly
 from cosim.errors import UsageError
 from cosim.ssp.load import load_ssp
 
@@ -197,6 +198,61 @@ def test_a_mapping_renames_converts_and_transforms(read):
     assert read(ssd(system("root", element))).components[0].values == {"k": 6001, "u": 3}
 
 
+@pytest.mark.parametrize("factor,offset,value", [(2, 0, 6), (1, 5, 8), (2, 5, 11), (1, 0, 3)])
+def test_a_mapping_transforms_by_factor_and_offset(factor, offset, value, read):
+    names = mapping(f'<ssm:MappingEntry source="gain" target="k">{linear(factor, offset)}</ssm:MappingEntry>')
+    element = component("a", bindings=inline(parameter("gain", 3), mapped=names))
+    assert read(ssd(system("root", element))).components[0].values == {"k": value}
+
+
+def test_a_mapping_leaves_out_what_it_does_not_name_and_ignores_what_is_not_there(read):
+    names = mapping('<ssm:MappingEntry source="gian" target="k"/>', '<ssm:MappingEntry source="count" target="n"/>')
+    values = inline(parameter("k", 3), parameter("count", 5, "Integer"), mapped=names)
+    found = read(ssd(system("root", component("a", bindings=values))))
+    assert found.components[0].values == {"n": 5} and found.ignored == []
+
+
+@pytest.mark.parametrize("text,value", [("true", True), ("1", True), ("false", False), ("0", False)])
+def test_a_truth_is_written_in_words_or_digits(text, value, read):
+    element = component("a", bindings=inline(parameter("on", text, "Boolean")))
+    assert read(ssd(system("root", element))).components[0].values == {"on": value}
+
+
+def test_a_value_with_a_unit_of_its_own_keeps_its_number_where_the_variable_has_none(read):
+    element = component("a", bindings=inline(parameter("k", 2, unit="km")))
+    assert read(ssd(system("root", element))).components[0].values == {"k": 2}
+
+
+def test_a_connection_without_units_keeps_the_unit_of_its_start(read):
+    """Through a connector without a unit: km arrive as m, once."""
+    inner = system("inner", component("b", u="m"), connection(".in", "b.u"), connector("in", "input"))
+    root = system("root", component("a", y="km") + inner, connection("a.y", "inner.in"))
+    assert [k.factor for k in read(ssd(root)).connections] == [1000]
+    suppressed = root.replace('endConnector="in"', 'endConnector="in" suppressUnitConversion="true"')
+    assert [k.factor for k in read(ssd(suppressed)).connections] == [1]
+
+
+def test_a_binding_says_its_type(read):
+    kind = "application/x-ssp-parameter-set"
+    element = component("a", bindings=inline(parameter("k", 3), type=kind))
+    assert read(ssd(system("root", element))).components[0].values == {"k": 3}
+
+
+def test_the_experiment_starts_and_stops_as_the_file_says(read):
+    found = read(ssd(system("root", component("a")), '<ssd:DefaultExperiment startTime="2" stopTime="4"/>'))
+    assert (found.start, found.stop) == (2, 4)
+    assert read(ssd(system("root", component("a")), '<ssd:DefaultExperiment stopTime="4"/>')).start == 0
+    with pytest.raises(UsageError, match="starts at t = 2 s; a start other than 0 is not supported"):
+        fly(found, 0.1)
+
+
+def test_files_of_a_loaded_system_go_with_it(tmp_path):
+    with load_ssp(write(tmp_path / "test.ssp", ssd(system("root", component("a"))))) as found:
+        fmu, = (c.fmu for c in found.components)
+        assert fmu.is_file()
+    assert not fmu.exists()
+
+
 def test_parameter_sets_are_read_from_the_archive_and_from_the_fmu(read, native_fmus):
     files = {"resources__my values_dot_ssv": parameters(parameter("k", 4)),
              "resources__AhvScenario_dot_fmu": native_fmus["AhvScenario"].read_bytes()}
@@ -302,6 +358,30 @@ REFUSED = {
         system("root", CHAIN, connection("a.y", "b.u", '<ssc:BooleanMappingTransformation><ssc:MapEntry source="true" '
                                          'target="false"/></ssc:BooleanMappingTransformation>')),
         "has a BooleanMappingTransformation, which is not supported"),
+    "a parameter binding of another type": (
+        system("root", component("a", bindings=inline(parameter("k", 3), type="text/csv"))),
+        "A parameter binding of a is of type text/csv, which is not supported"),
+    "a binding of nothing": (system("root", component("a", bindings="<ssd:ParameterBinding/>")),
+                             "The ParameterBinding of a has neither a source nor content"),
+    "a parameter set that is not in the FMU": (
+        system("root", component("a", bindings='<ssd:ParameterBinding source="x.ssv" sourceBase="component"/>')),
+        "The ParameterBinding of a refers to x.ssv, which is not in Gain.fmu"),
+    "a parameter set in the FMU of a system": (
+        system("root", component("a"), bindings='<ssd:ParameterBinding source="x.ssv" sourceBase="component"/>'),
+        "The ParameterBinding of the system has its source in a component, but is not in one"),
+    "a transformation of a whole number": (
+        system("root", component("a", bindings=inline(parameter("n", 3, "Integer"), mapped=mapping(
+            f'<ssm:MappingEntry source="n" target="n">{linear(2, 0)}</ssm:MappingEntry>')))),
+        "The mapping of n to n has a LinearTransformation, but a value that is Integer"),
+    "a binary parameter": (system("root", component("a", bindings=inline(
+        '<ssv:Parameter name="k"><ssv:Binary mime-type="x" value="00"/></ssv:Parameter>'))),
+        "The parameter k is Binary; FMI 2.0 has no such variables"),
+    "two elements of one name": (system("root", component("a") + component("a")), "There are two elements called a"),
+    "two elements of one flat name": (system("root", component("a.u") + system("a", component("u"))),
+                                      "Two components are called a/u once nested systems and dots are written with /"),
+    "a circle": (system("root", component("a") + system(
+        "s", component("b"), connection(".in", ".out"), connector("in", "input") + connector("out", "output")),
+        connection("s.out", "s.in") + connection("s.out", "a.u")), "The connections lead in a circle through "),
     "nothing to fly": ('<ssd:System name="root"/>', "The system has no components"),
 }
 
