@@ -79,7 +79,7 @@ def description(name: str, system: System, files: dict[str, FmuFile], places: di
     units: dict[str, Unit] = {}
     for component in system.components:
         add_component(elements, component, files[component.name], places[component.name], units)
-    connections = SubElement(parent, "ssd:Connections")
+    connections = SubElement(parent, "ssd:Connections") if system.connections else parent  # the list may not be empty
     for link in system.connections:
         start, end = link.source.partition("."), link.target.partition(".")
         connection = SubElement(connections, "ssd:Connection", startElement=start[0], startConnector=start[2],

@@ -137,7 +137,7 @@ KM, M, FOOT, SHORT_FOOT = (("km", 'm="1" factor="1000"'), ("m", 'm="1"'), ("foot
                            ("foot", 'm="1" factor="0.3"'))
 
 
-def test_two_fmus_of_one_file_name_stay_two(tmp_path, reading):
+def test_two_fmus_of_one_file_name_stay_two(tmp_path, reading, capsys):
     one, other = (variant(tmp_path, name, u=unit) for name, unit in (("one", KM), ("other", M)))
     (tmp_path / "copy").mkdir()
     copy = tmp_path / "copy" / "Same.fmu"
@@ -147,6 +147,7 @@ def test_two_fmus_of_one_file_name_stay_two(tmp_path, reading):
         assert found.sources == {"a": "resources/Same.fmu", "b": "resources/Same_2.fmu", "c": "resources/Same.fmu",
                                  "d": "resources/Same_2.fmu"}
         assert [c.fmu.read_bytes() for c in found.components] == [p.fmu.read_bytes() for p in parts]
+    assert capsys.readouterr().err == ""  # valid, also without connections
 
 
 @pytest.mark.parametrize("ends,factor,offset", [
