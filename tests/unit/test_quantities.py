@@ -52,6 +52,11 @@ def test_a_definition_that_cannot_be_used_is_none(base):
     assert (found.factor, found.offset, found.exponents) == (1.0, 0.0, None)
 
 
+def test_every_base_unit_has_its_place():
+    for place, part in enumerate(("kg", "m", "s", "A", "K", "mol", "cd", "rad")):
+        assert unit("u", {part: "-2"}).exponents == (*[0] * place, -2, *[0] * (7 - place))
+
+
 def test_a_unit_as_messages_show_it():
     assert str(DEG_C) == "degC (1 K1 + 273.15)"
     assert str(unit("N", {"kg": "1", "m": "1", "s": "-2"})) == "N (1 kg1 m1 s-2)"
