@@ -1,7 +1,9 @@
 """The one reading of modelDescription.xml: declared types, defaults, units, and what cannot be used."""
 import pytest
 
+from cosim.master.declared import Variable
 from cosim.master.description import Description, parsed, usable
+from cosim.master.fmu import settable
 
 TYPES = """<UnitDefinitions>
   <Unit name="K"><BaseUnit K="1"/><DisplayUnit name="degC" offset="-273.15"/></Unit>
@@ -57,6 +59,33 @@ def test_defaults_of_causality_variability_and_initial(by_name):
     assert found == {"typed": ("local", "continuous", "calculated"), "own": ("parameter", "fixed", "exact"),
                      "plain": ("input", "continuous", None), "mode": ("output", "discrete", "calculated"),
                      "strange": ("local", "continuous", "calculated")}
+
+
+@pytest.mark.parametrize("causality,variability,initial", [
+    ("output", "constant", "exact"), ("local", "constant", "exact"),
+    ("parameter", "fixed", "exact"), ("parameter", "tunable", "exact"),
+    *((causality, variability, "calculated") for causality in ("calculatedParameter", "local")
+      for variability in ("fixed", "tunable")),
+    *((causality, variability, "calculated") for causality in ("output", "local")
+      for variability in ("discrete", "continuous")),
+    ("input", "discrete", None), ("input", "continuous", None), ("independent", "continuous", None),
+    ("parameter", "continuous", None)])  # which is not allowed
+def test_the_default_of_initial_is_that_of_the_standards_table(causality, variability, initial):
+    said = {"name": "x", "causality": causality, "variability": variability}
+    assert Variable(1, said, "Real", {}).initial == initial
+    assert Variable(1, said | {"initial": "approx"}, "Real", {}).initial == "approx"
+
+
+def test_what_may_be_set_before_the_start():
+    def said(causality, variability="continuous", **more):
+        return Variable(1, {"name": "x", "causality": causality, "variability": variability, **more}, "Real", {})
+
+    assert all(settable(said(*words)) for words in (("parameter", "fixed"), ("parameter", "tunable"), ("input",),
+                                                    ("input", "discrete"), ("structuralParameter", "fixed")))
+    assert settable(said("local", initial="exact")) and settable(said("output", initial="approx"))
+    assert not any(settable(said(*words)) for words in (
+        ("output",), ("local",), ("local", "constant"), ("calculatedParameter", "fixed"), ("independent",)))
+    assert not settable(said("output", "constant", initial="exact"))
 
 
 def test_items_of_an_enumeration(by_name):
