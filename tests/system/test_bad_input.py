@@ -8,7 +8,7 @@ import pytest
 from places import AHV
 from test_cases import ahv
 
-from cosim.errors import UsageError
+from cosim.errors import RunError, UsageError
 from cosim.vehicle.linearize import linearize
 from cosim.vehicle.trim import beyond_limits, trim
 
@@ -52,6 +52,12 @@ def test_a_trim_beyond_the_actuators_shows_its_numbers_and_fails(V, h, sentence)
     done = subprocess.run([AHV, "trim", "--V", str(V), "--h", str(h), "--json"], capture_output=True, text=True)
     assert done.returncode == 1 and sentence in done.stderr and len(done.stderr.splitlines()) == 1
     assert json.loads(done.stdout)["V_fps"] == V
+
+
+@pytest.mark.parametrize("V,h", [(5000, 120000), (5250, 127500)])
+def test_a_trim_that_newton_does_not_find_is_no_trim(V, h, native_fmus):
+    with pytest.raises(RunError, match=f"No level flight was found at V = {V} ft/s, h = {h} ft"):
+        trim(V, h)
 
 
 def test_a_trim_at_the_limits_is_allowed_and_just_beyond_is_not():
