@@ -12,9 +12,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from ..master.declared import Variable, integer, number
 from . import probes  # noqa: F401  (importing the probes registers them)
 from .confined import Confined, Limits, sandbox
-from .description import Variable, integer, number
 from .fmi2 import MARK_BYTES, Mark
 from .job import Job, Known
 from .probes.bench import PROBES
@@ -80,8 +80,7 @@ def host_library(fmu: Fmu) -> Path | None:
 
 def make_job(fmu: Fmu, library: Path, time_limit: float, cycles: int) -> Job:
     """What the child needs to know about the FMU."""
-    experiment = fmu.description.root.find("DefaultExperiment")
-    given = {} if experiment is None else {str(key): number(str(text)) for key, text in experiment.attrib.items()}
+    given = {key: number(text) for key, text in fmu.description.experiment.items()}
     start, stop, step = given.get("startTime") or 0.0, given.get("stopTime"), given.get("stepSize")
     if not step or step <= 0:
         step = (stop - start) / 100 if stop is not None and stop > start else 0.01
@@ -96,7 +95,7 @@ def make_job(fmu: Fmu, library: Path, time_limit: float, cycles: int) -> Job:
         step=step,
         claims=claims | ({"maxOutputDerivativeOrder": order} if order else {}),
         categories=[c.get("name", "") for c in fmu.description.root.iterfind("LogCategories/Category")],
-        variables=[known_variable(v) for v in fmu.description.variables if v.kind and v.reference is not None],
+        variables=[known_variable(v) for v in fmu.description.variables if v.type and v.reference is not None],
         probes=list(PROBES),
         cycles=cycles,
         patience=time_limit / 2,
@@ -106,13 +105,12 @@ def make_job(fmu: Fmu, library: Path, time_limit: float, cycles: int) -> Job:
 def known_variable(v: Variable) -> Known:
     """The variable as the probes need it."""
     start: float | int | str | None
-    if v.kind == "Real":
+    if v.type == "Real":
         start = number(v.start)
-    elif v.kind == "Boolean":
+    elif v.type == "Boolean":
         start = None if v.start is None else int(v.start.strip() in ("true", "1"))
     else:
-        start = v.start if v.kind == "String" else integer(v.start)
-    items = [] if v.declared is None else [integer(item.get("value")) for item in v.declared.items]
+        start = v.start if v.type == "String" else integer(v.start)
     return Known(
         name=v.name,
         reference=v.reference or 0,
@@ -121,10 +119,10 @@ def known_variable(v: Variable) -> Known:
         variability=v.variability,
         initial=v.initial,
         start=start,
-        low=number(v.resolved("min")),
-        high=number(v.resolved("max")),
-        nominal=number(v.resolved("nominal")),
-        items=[value for value in items if value is not None],
+        low=v.min,
+        high=v.max,
+        nominal=v.nominal,
+        items=list(v.items.values()),
     )
 
 

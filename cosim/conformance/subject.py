@@ -3,7 +3,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
 
-from .description import Description
+from ..master.description import Description
 
 
 class Fault(NamedTuple):
