@@ -15,7 +15,6 @@ import numpy as np
 from distributed.diagnostics.plugin import WorkerPlugin
 
 from ..errors import RunError, UsageError
-from ..master import fmu
 from ..master.algorithms import method
 from ..master.flight import Flight, fly_loaded
 from ..master.loaded import Master, open_files
@@ -139,8 +138,6 @@ class LoadedSystems:
         system = self.system(law, values)
         if law in self.masters:
             master = self.masters[law][0]
-            for instance in master.instances:  # what FMUs say is kept by their name, which laws share
-                fmu.MESSAGES[instance.name] = instance.messages
             try:
                 master.reset(system)
                 return master

@@ -17,7 +17,8 @@ import numpy as np
 from fmpy.model_description import ModelDescription, ScalarVariable
 
 from ..errors import UsageError
-from .fmu import CALL_SUFFIX, FmuFile, Instance
+from .fmu import CALL_SUFFIX, FmuFile
+from .instance import Instance
 from .program import REAL, TEXT, WHOLE
 from .system import Connection, System
 

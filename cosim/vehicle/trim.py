@@ -10,7 +10,8 @@ def trim(V: float = 7700.0, h: float = 85000.0, flavour: str | None = None) -> d
 
     Raises UsageError for a start that the plant does not allow.
     """
-    from ..master.fmu import FmuFile, Instance
+    from ..master.fmu import FmuFile
+    from ..master.instance import Instance
 
     file = FmuFile.open(fmu_path(flavour_of(flavour), PLANTS["ideal"].fmu))
     instance = None

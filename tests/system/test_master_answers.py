@@ -1,0 +1,258 @@
+"""Rare answers of FMUs: unknown statuses, refused and missing texts, numbers that do not fit, Fatal; and words."""
+import ctypes
+import math
+
+import numpy as np
+import pytest
+import small
+
+from cosim.errors import RunError, UsageError
+from cosim.master import loop_compiled, program
+from cosim.master.algorithms import method
+from cosim.master.flight import fly, fly_loaded
+from cosim.master.fmu import FmuFile
+from cosim.master.instance import DISCARD, ENVIRONMENTS, ERROR, FATAL, ONLY_ONE, Instance, log
+from cosim.master.isolated import fly_isolated
+from cosim.master.loaded import Master, open_files
+from cosim.master.system import Component, Connection, System
+
+AT = 0.74
+ALGORITHMS = ["gauss-seidel", "jacobi", "multi-rate,right=2", "iterated", "variable"]
+
+
+def faulty(fmu, fault, **values):
+    return small.pair(fmu, fault=small.FAULTS.index(fault), fault_time=AT, **values)
+
+
+def here(system, algorithm="jacobi"):
+    return fly(system, 0.01, 1.0, algorithm)
+
+
+def plain(system, algorithm="jacobi"):
+    return fly(system, 0.01, 1.0, algorithm, plain=True)
+
+
+def isolated(system, algorithm="jacobi"):
+    return fly_isolated(system, 0.01, 1.0, algorithm)
+
+
+@pytest.fixture(scope="module")
+def fmu(tmp_path_factory):
+    return small.build(tmp_path_factory.mktemp("small"))
+
+
+# --- statuses ---------------------------------------------------------------------------------------------------------
+
+@pytest.mark.parametrize("flown", [here, plain, isolated])
+@pytest.mark.parametrize("status,word", [(5, "Pending"), (6, "the unknown status 6"), (99, "the unknown status 99"),
+                                         (100, "the unknown status 100"), (-1, "the unknown status -1")])
+def test_a_status_that_is_none_is_an_error(fmu, flown, status, word):
+    flight = flown(faulty(fmu, "answers", answer=status))
+    assert flight.message == (f"left (small_indirect.fmu) answered {word} to fmi2DoStep at t = 0.74 s: "
+                              f"told what to answer")
+    assert not flight.finished and len(flight.time) == 75
+
+
+@pytest.mark.parametrize("algorithm", ALGORITHMS)
+def test_such_a_status_ends_every_algorithm(fmu, algorithm):
+    assert "answered the unknown status -1 to fmi2DoStep" in here(faulty(fmu, "answers", answer=-1), algorithm).message
+
+
+@pytest.mark.parametrize("flown", [here, plain])
+def test_a_warning_is_none(fmu, flown):
+    assert flown(faulty(fmu, "answers", answer=1)).finished
+
+
+# --- texts and numbers ------------------------------------------------------------------------------------------------
+
+def test_a_refused_text_is_told(fmu):
+    with pytest.raises(RunError) as caught:
+        here(small.pair(fmu, text_in="refused"))
+    assert str(caught.value) == ("left (small_indirect.fmu) answered Error to fmi2SetString(text_in): "
+                                 "this text is refused")
+
+
+def texts(fmu, fault):
+    parts = (Component("left", fmu, {"fault": small.FAULTS.index(fault), "fault_time": 0.0, "text_in": "words"}),
+             Component("right", fmu))
+    return System(parts, (Connection("left.text_out", "right.text_in"),))
+
+
+@pytest.mark.parametrize("flown", [here, plain, isolated])
+def test_a_text_that_is_refused_on_the_way_is_told(fmu, flown):
+    system = texts(fmu, "refuse_text")
+    with pytest.raises(RunError, match=r"answered Error to fmi2GetString\(text_out\): told not to show texts"):
+        flown(system)
+    later = System((system.components[0].with_values({"fault_time": AT}), system.components[1]), system.connections)
+    assert flown(later).message == ("left (small_indirect.fmu) answered Error to fmi2GetString at t = 0.74 s: "
+                                    "told not to show texts")
+
+
+@pytest.mark.parametrize("flown", [here, plain, isolated])
+def test_a_text_that_is_missing_is_empty(fmu, flown):
+    assert flown(texts(fmu, "no_text")).finished
+
+
+@pytest.mark.parametrize("plain", [False, True])
+def test_a_text_that_becomes_empty_arrives_empty(fmu, plain):
+    system = texts(fmu, "none")
+    with open_files(system) as files:
+        master = Master(system, files, plain=plain)
+        master.initialise(0.0, 1.0)
+        get = program.program([program.row(program.GET, master.wiring.outputs[0][-1].number)])
+        found = [bytes(master.wiring.texts[0]).partition(b"\0")[0]]
+        master.instances[0].set({"fault": small.FAULTS.index("no_text")})
+        master.run(get, 0, 1, 0.0, 0.0)
+        found.append(bytes(master.wiring.texts[0]).partition(b"\0")[0])
+        shown = master.instances[0].get(["text_out", "whole_out"])
+        master.close()
+    assert found == [b"words", b""] and shown == ["", 0]
+
+
+@pytest.mark.parametrize("name,value,allowed", [
+    ("whole_in", 1e12, "between -2147483648 and 2147483647"), ("whole_in", -2 ** 31 - 1, "between -2147483648 and"),
+    ("whole_in", 10 ** 400, "a number"), ("whole_in", 0.5, "a whole number"), ("whole_in", math.nan, "between"),
+    ("u", 10 ** 400, "a number"), ("u", "1e999", "between"), ("text_in", "a\0b", "without null characters"),
+    ("text_in", "\udcff", "without null characters"),
+])
+def test_a_value_that_does_not_fit_is_refused_before_anything_flies(fmu, name, value, allowed):
+    with pytest.raises(UsageError, match=rf"^left\.{name} = .* is not allowed: it must be .*{allowed}"):
+        here(small.pair(fmu, **{name: value}))
+
+
+@pytest.mark.parametrize("value", [2 ** 31 - 1, -2 ** 31])
+def test_the_largest_whole_numbers_arrive(fmu, value):
+    flight = fly(System([Component("a", fmu, {"whole_in": value})]), 0.1, 0.1)
+    assert np.all(flight["a.whole_out"] == value)
+
+
+@pytest.mark.parametrize("flown", [here, plain, isolated])
+def test_signals_that_are_no_numbers_are_told(fmu, flown):
+    flight = flown(faulty(fmu, "not_a_number"))
+    assert flight.finished and flight.warnings == [
+        "left.y, left.y1, left.y2, right.y, right.y1 and 1 more signals are nan or infinite, first at t = 0.75 s: "
+        "figures made of them tell nothing."]
+    assert here(small.pair(fmu)).warnings == []
+
+
+# --- after Fatal ------------------------------------------------------------------------------------------------------
+
+def calls_after_fatal(instance):
+    """How many calls any instance in the library of `instance` was given after one answered Fatal."""
+    return ctypes.c_int.in_dll(instance.slave.dll, "calls_after_fatal").value
+
+
+@pytest.mark.parametrize("plain", [False, True])
+@pytest.mark.parametrize("algorithm", ALGORITHMS)
+def test_nothing_is_called_after_fatal(fmu, algorithm, plain):
+    """Neither of this instance nor of another of the FMU, whose library they share (FMI 2.0 section 2.1.3)."""
+    system = faulty(fmu, "fatal")
+    with open_files(system) as files:
+        master = Master(system, files, plain=plain)
+        instances = list(master.instances)
+        flight = fly_loaded(master, method(algorithm), 0.01, 100)
+        assert "answered Fatal to fmi2DoStep" in flight.message
+        for again in (lambda: master.reset(system), lambda: master.initialise(0.0, 1.0),
+                      lambda: master.run(program.program([]), 0, 1, 0.0, 0.0), lambda: instances[1].get(["y"]),
+                      lambda: instances[1].set({"u": 1.0}), lambda: instances[1].simple("fmi2Reset")):
+            with pytest.raises(RunError, match="cannot be used any more: the FMU has answered Fatal"):
+                again()
+        master.close()
+        master.close()
+    assert [calls_after_fatal(i) for i in instances] == [0, 0]
+
+
+@pytest.mark.parametrize("fault,sentence", [("fatal_init", "answered Fatal to fmi2EnterInitializationMode"),
+                                            ("fatal_terminate", "")])
+def test_nothing_is_called_after_fatal_at_either_end(fmu, fault, sentence):
+    system = faulty(fmu, fault)
+    with open_files(system) as files:
+        master = Master(system, files)
+        instances = list(master.instances)
+        if sentence:
+            with pytest.raises(RunError, match=sentence):
+                master.initialise(0.0, 1.0)
+        else:
+            master.initialise(0.0, 1.0)
+        master.close()
+    assert [calls_after_fatal(i) for i in instances] == [0, 0] and files["left"].corrupted
+
+
+def test_a_later_answer_does_not_undo_fatal_or_error(fmu):
+    with FmuFile.open(fmu) as file:
+        first, second = Instance(file, "a"), Instance(file, "b")
+        for status in (ERROR, DISCARD):
+            with pytest.raises(RunError):
+                first.check(status, "fmi2DoStep")
+        assert first.failed and first.alive and not second.failed
+        for status in (FATAL, DISCARD):
+            with pytest.raises(RunError):
+                first.check(status, "fmi2DoStep")
+        assert not first.alive and not second.alive
+        first.close()
+        second.close()
+
+
+def test_another_extraction_of_the_file_can_be_used_after_fatal(fmu):
+    assert "answered Fatal" in here(faulty(fmu, "fatal")).message and here(small.pair(fmu)).finished
+
+
+# --- only one in a process --------------------------------------------------------------------------------------------
+
+@pytest.fixture(scope="module")
+def alone(tmp_path_factory):
+    return small.build(tmp_path_factory.mktemp("alone"), claims=("canBeInstantiatedOnlyOncePerProcess",))
+
+
+@pytest.mark.parametrize("flown", [here, isolated])
+def test_a_system_with_two_instances_of_an_fmu_that_allows_one_is_refused(alone, flown):
+    with pytest.raises(UsageError, match=r"^right \(small_.*\.fmu\) cannot be instantiated beside left: the FMU allows "
+                       r"only one instance in a process \(canBeInstantiatedOnlyOncePerProcess\)\.$"):
+        flown(small.pair(alone))
+    assert not ONLY_ONE
+
+
+def test_one_instance_of_such_an_fmu_flies_again_and_again(alone, fmu):
+    for _ in range(2):
+        assert here(small.pair(alone, fmu)).finished
+    assert not ONLY_ONE
+
+
+# --- words ------------------------------------------------------------------------------------------------------------
+
+def test_each_of_two_masters_keeps_the_words_of_its_own_fmus(fmu):
+    first, second = faulty(fmu, "discard"), faulty(fmu, "error")
+    with open_files(first) as files:
+        masters = [Master(s, files) for s in (first, second)]
+        flights = [fly_loaded(m, method("jacobi"), 0.01, 100) for m in masters]
+        words = [m.instances[0].messages for m in masters]
+        for master in masters:
+            master.close()
+    assert words == [["told to discard"], ["told to fail"]]
+    assert [f.message.rpartition(": ")[2] for f in flights] == ["told to discard", "told to fail"]
+
+
+def test_words_are_kept_by_name_where_the_fmu_hands_on_something_else(tmp_path):
+    fmu = small.build(tmp_path, flags=("-DFORGETS_ENVIRONMENT",))
+    assert here(faulty(fmu, "error")).message.endswith(": told to fail")
+
+
+def test_a_closed_instance_leaves_nothing_behind(fmu):
+    before = set(ENVIRONMENTS)
+    here(small.pair(fmu))
+    with pytest.raises(RunError):
+        here(small.pair(fmu, text_in="refused"))
+    assert set(ENVIRONMENTS) == before
+
+
+def test_the_logger_takes_what_fmus_hand_it():
+    log(None, None, ERROR, b"", None)
+    log(12345678901, b"nobody", -1, b"", b"\xff")
+
+
+# --- compilation ------------------------------------------------------------------------------------------------------
+
+def test_the_loop_is_compiled_once_and_before_any_call(fmu):
+    for algorithm in ALGORITHMS:
+        assert fly(small.pair(fmu), 1, 4, algorithm).finished
+    assert len(loop_compiled.kernel.signatures) == 1
