@@ -73,6 +73,11 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
     m->s = INITIAL;
     m->callbacks = callbacks;
     snprintf(m->name, sizeof m->name, "%s", name);
+#ifdef REFUSE_INSTANCE
+    say(m, fmi2Error, "told not to be made");
+    free(m);
+    return NULL;
+#endif
     return m;
 }
 void fmi2FreeInstance(fmi2Component c)

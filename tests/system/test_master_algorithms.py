@@ -114,6 +114,26 @@ def test_variable_steps_follow_the_tolerance(build, hold):
     assert 0.25 < np.log(reached[0] / reached[1]) / np.log(100) < 0.75
 
 
+def test_variable_steps_leave_out_outputs_that_depend_on_inputs_if_there_are_others(build):
+    """They lag behind as the held inputs do: as a measure of the error they would ask for 271 steps."""
+    system = small.pair(build(direct=True), build(), d=0.5)
+    assert fly(system, 0.01, STOP, "variable,tolerance=1e-3").ticks < 50
+
+
+def test_variable_steps_follow_outputs_that_depend_on_inputs_if_there_are_no_others(build):
+    system = small.pair(build(direct=True), d=0.5)
+    few, many = (fly(system, 0.01, 0.2, f"variable,tolerance={t}").ticks for t in (1e-2, 1e-4))
+    assert 20 * few < many
+
+
+def test_variable_steps_follow_the_worst_signal(build):
+    slow, fast = small.oscillator(a21=-1.0), small.oscillator(a21=-400.0)
+    links = (Connection("p.y", "q.u"), Connection("q.y", "p.u"))
+    ticks = [fly(System((Component("p", build(), a), Component("q", build(), b)), links), 0.01, STOP,
+                 "variable,tolerance=1e-3").ticks for a, b in ((slow, fast), (fast, slow), (slow, slow))]
+    assert ticks[0] == ticks[1] > 2 * ticks[2]
+
+
 def test_variable_steps_back_from_a_discarded_step(build):
     flight = fly(small.pair(build(), longest=0.003), 0.05, STOP, "variable,tolerance=1e-3")
     assert flight.finished and np.diff(flight.time).max() <= 0.003

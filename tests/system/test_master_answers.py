@@ -7,11 +7,11 @@ import pytest
 import small
 
 from cosim.errors import RunError, UsageError
-from cosim.master import loop_compiled, program
+from cosim.master import last_call, loop_compiled, program
 from cosim.master.algorithms import method
 from cosim.master.flight import fly, fly_loaded
 from cosim.master.fmu import FmuFile
-from cosim.master.instance import DISCARD, ENVIRONMENTS, ERROR, FATAL, ONLY_ONE, Instance, log
+from cosim.master.instance import DISCARD, ENVIRONMENTS, ERROR, FATAL, MOST_MESSAGES, ONLY_ONE, Instance, log
 from cosim.master.isolated import fly_isolated
 from cosim.master.loaded import Master, open_files
 from cosim.master.system import Component, Connection, System
@@ -243,6 +243,50 @@ def test_a_closed_instance_leaves_nothing_behind(fmu):
     with pytest.raises(RunError):
         here(small.pair(fmu, text_in="refused"))
     assert set(ENVIRONMENTS) == before
+
+
+def test_an_instance_that_is_not_made_is_told_and_leaves_nothing_behind(tmp_path):
+    before = set(ENVIRONMENTS)
+    with pytest.raises(RunError, match=r"^left \(small_indirect\.fmu\) cannot be instantiated: .* It said: told not"):
+        here(small.pair(small.build(tmp_path, flags=("-DREFUSE_INSTANCE",))))
+    assert set(ENVIRONMENTS) == before
+
+
+def test_an_fmu_that_never_stops_talking_does_not_fill_the_memory(fmu):
+    with FmuFile.open(fmu) as file:
+        instance = Instance(file, "a")
+        for k in range(MOST_MESSAGES + 5):
+            log(instance.number, b"a", ERROR, b"", str(k).encode())
+        instance.close()
+    assert len(instance.messages) == MOST_MESSAGES
+
+
+def test_a_call_of_many_variables_names_the_first(fmu):
+    with FmuFile.open(fmu) as file:
+        instance = Instance(file, "a")
+        instance.set({"fault": small.FAULTS.index("refuse_get"), "fault_time": 0.0})
+        instance.setup(0.0, 1.0)
+        for call in ("fmi2EnterInitializationMode", "fmi2ExitInitializationMode"):
+            instance.simple(call)
+        for names, shown in ((["y", "y1", "y2"], "y, y1, y2"), (["y", "y1", "y2", "u"], r"y, y1, y2, \.\.\.")):
+            with pytest.raises(RunError, match=rf"fmi2GetReal\({shown}\): told not to show anything$"):
+                instance.get(names)
+        instance.close()
+
+
+def test_a_call_is_known_as_long_as_it_lasts(fmu, monkeypatch):
+    place = last_call.Place()
+    monkeypatch.setattr(last_call, "place", place)
+    with FmuFile.open(fmu) as file:
+        instance = Instance(file, "a")
+        made = int(place.cursor[program.CALLS])
+        assert place.stage[0] == last_call.OUTSIDE
+        instance.get(["y", "whole_out"])
+        assert (place.stage[0], place.cursor[program.CALLS]) == (last_call.OUTSIDE, made + 2)
+        assert place.read(last_call.NOTE) == "a (small_indirect.fmu): fmi2GetInteger"
+        instance.close()
+        assert place.stage[0] == last_call.OUTSIDE
+        assert place.read(last_call.NOTE) == "a (small_indirect.fmu): fmi2FreeInstance"
 
 
 def test_the_logger_takes_what_fmus_hand_it():
