@@ -1,6 +1,7 @@
 """Rare answers of FMUs: unknown statuses, refused and missing texts, numbers that do not fit, Fatal; and words."""
 import ctypes
 import math
+from contextlib import suppress
 
 import numpy as np
 import pytest
@@ -191,6 +192,33 @@ def test_a_later_answer_does_not_undo_fatal_or_error(fmu):
         assert not first.alive and not second.alive
         first.close()
         second.close()
+
+
+@pytest.mark.parametrize("fault,again,ends", [("none", False, 1), ("error", False, 0), ("error", True, 1),
+                                              ("discard", False, 1), ("refuse_init", False, 0)])
+def test_an_instance_is_terminated_where_that_is_allowed(fmu, fault, again, ends):
+    """Not before it can step, and not after an error, which only a reset undoes (FMI 2.0 section 4.2.4)."""
+    with FmuFile.open(fmu) as file:
+        instance = Instance(file, "a")
+        made: list[str] = []
+        call = instance.call
+        instance.call = lambda name, *arguments: made.append(name) or call(name, *arguments)
+        instance.set({"fault": small.FAULTS.index(fault), "fault_time": 0.0})
+        instance.setup(0.0, 1.0)
+        with suppress(RunError):
+            fly_one(instance)
+        if again:
+            instance.simple("fmi2Reset")
+            fly_one(instance)
+        instance.close()
+        assert made.count("fmi2Terminate") == ends
+
+
+def fly_one(instance):
+    """From before initialisation to one step."""
+    for call in ("fmi2EnterInitializationMode", "fmi2ExitInitializationMode"):
+        instance.simple(call)
+    instance.check(instance.do_step(instance.component, 0.0, 0.1, 1), "fmi2DoStep", 0.0)
 
 
 def test_another_extraction_of_the_file_can_be_used_after_fatal(fmu):
