@@ -2,6 +2,7 @@
 import tempfile
 from pathlib import Path
 
+from ..errors import UsageError
 from ..master.unpack import BadArchive, safe_extract
 from . import dynamic, rules  # noqa: F401  (importing the rules registers them)
 from .reading import Unusable, read
@@ -12,6 +13,8 @@ from .subject import Fault, Fmu
 
 def check(path: Path, run_probes: bool, time_limit: float, cycles: int) -> Report:
     """See `cosim.conformance.check`."""
+    if not time_limit > 0:
+        raise UsageError(f"--time-limit {time_limit:g} must be a positive number of seconds.")
     report = Report(Path(path))
     with tempfile.TemporaryDirectory(prefix="ahv-check-", ignore_cleanup_errors=True) as work:
         try:
