@@ -194,9 +194,11 @@ def test_a_later_answer_does_not_undo_fatal_or_error(fmu):
         second.close()
 
 
-@pytest.mark.parametrize("fault,again,ends", [("none", False, 1), ("error", False, 0), ("error", True, 1),
-                                              ("discard", False, 1), ("refuse_init", False, 0)])
-def test_an_instance_is_terminated_where_that_is_allowed(fmu, fault, again, ends):
+@pytest.mark.parametrize("fault,lives,ends", [
+    ("none", "", 0), ("none", "fly", 1), ("none", "fly reset", 0), ("error", "fly", 0), ("error", "fly reset fly", 1),
+    ("discard", "fly", 1), ("refuse_init", "fly", 0),
+])
+def test_an_instance_is_terminated_where_that_is_allowed(fmu, fault, lives, ends):
     """Not before it can step, and not after an error, which only a reset undoes (FMI 2.0 section 4.2.4)."""
     with FmuFile.open(fmu) as file:
         instance = Instance(file, "a")
@@ -205,11 +207,9 @@ def test_an_instance_is_terminated_where_that_is_allowed(fmu, fault, again, ends
         instance.call = lambda name, *arguments: made.append(name) or call(name, *arguments)
         instance.set({"fault": small.FAULTS.index(fault), "fault_time": 0.0})
         instance.setup(0.0, 1.0)
-        with suppress(RunError):
-            fly_one(instance)
-        if again:
-            instance.simple("fmi2Reset")
-            fly_one(instance)
+        for life in lives.split():
+            with suppress(RunError):
+                fly_one(instance) if life == "fly" else instance.simple("fmi2Reset")
         instance.close()
         assert made.count("fmi2Terminate") == ends
 
