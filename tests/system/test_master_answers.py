@@ -121,6 +121,16 @@ def test_a_value_that_does_not_fit_is_refused_before_anything_flies(fmu, name, v
         here(small.pair(fmu, **{name: value}))
 
 
+def test_each_type_comes_back_as_itself(fmu):
+    with FmuFile.open(fmu) as file:
+        instance = Instance(file, "a")
+        given = {"truth_in": True, "u": 0.5, "text_in": "Höhe", "whole_in": -3}
+        instance.set(given)
+        found = dict(zip(given, instance.get(given)))
+        instance.close()
+    assert found == given and found["truth_in"] is True and isinstance(found["whole_in"], int)
+
+
 @pytest.mark.parametrize("value", [2 ** 31 - 1, -2 ** 31])
 def test_the_largest_whole_numbers_arrive(fmu, value):
     flight = fly(System([Component("a", fmu, {"whole_in": value})]), 0.1, 0.1)

@@ -70,6 +70,16 @@ def test_no_row_is_made_of_two_times(tmp_path, flown, right, order, end):
     assert flight.ticks == len(flight.time) - 1 == 74
 
 
+@pytest.mark.parametrize("algorithm,direct,last", [("iterated", None, 0.74), ("multi-rate,left=5", False, 0.7),
+                                                   ("multi-rate,right=5", False, 0.74)])
+def test_where_the_others_cannot_follow_the_last_row_is_a_communication_point(tmp_path, algorithm, direct, last):
+    """Steps that are repeated, or that are not equally long."""
+    system = small.pair(small.build(tmp_path, direct), fault=small.FAULTS.index("end"), fault_time=0.745)
+    flight = here(system, algorithm)
+    assert flight.finished and flight.ended_at == pytest.approx(0.745, abs=1e-12)
+    assert flight.time[-1] == pytest.approx(last, abs=1e-12) and flight.ticks == len(flight.time) - 1
+
+
 @pytest.mark.parametrize("algorithm", [*ALGORITHMS, "gauss-seidel,order=right+left", "variable,tolerance=1e-3"])
 @pytest.mark.parametrize("at", [0.0, 0.74])
 def test_an_fmu_that_ends_where_a_step_begins(tmp_path, algorithm, at):
