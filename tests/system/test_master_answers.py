@@ -94,6 +94,14 @@ def test_a_text_that_is_missing_is_empty(fmu, flown):
     assert flown(texts(fmu, "no_text")).finished
 
 
+@pytest.mark.parametrize("flown", [here, plain, isolated])
+def test_a_text_that_does_not_fit_is_told(fmu, flown):
+    system = texts(fmu, "none")
+    parts = system.components[0].with_values({"text_in": "x" * 4096}), system.components[1]
+    with pytest.raises(RunError, match=r"^left \(small_indirect.fmu\) shows a text longer than 4095 bytes at t = 0 s\.$"):
+        flown(System(parts, system.connections))
+
+
 @pytest.mark.parametrize("plain", [False, True])
 def test_a_text_that_becomes_empty_arrives_empty(fmu, plain):
     system = texts(fmu, "none")
@@ -202,6 +210,26 @@ def test_a_later_answer_does_not_undo_fatal_or_error(fmu):
         assert not first.alive and not second.alive
         first.close()
         second.close()
+
+
+def test_every_instance_is_told_of_the_whole_experiment(fmu, monkeypatch):
+    made: list[tuple[str, str, list[object]]] = []
+    call = Instance.call
+
+    def spy(instance, name, *arguments):
+        made.append((instance.name, name, [a.value for a in arguments]))
+        return call(instance, name, *arguments)
+
+    monkeypatch.setattr(Instance, "call", spy)
+    system = small.pair(fmu)
+    with open_files(system) as files:
+        master = Master(system, files)
+        master.initialise(0.5, 3.0)
+        master.close()
+    for name in ("left", "right"):
+        calls = [c for n, c, _ in made if n == name]
+        assert calls.count("fmi2EnterInitializationMode") == calls.count("fmi2ExitInitializationMode") == 1
+        assert [a for n, c, a in made if n == name and c == "fmi2SetupExperiment"] == [[0, 0.0, 0.5, 1, 3.0]]
 
 
 @pytest.mark.parametrize("fault,lives,ends", [
