@@ -98,7 +98,7 @@ def test_a_text_that_is_missing_is_empty(fmu, flown):
 def test_a_text_that_does_not_fit_is_told(fmu, flown):
     system = texts(fmu, "none")
     parts = system.components[0].with_values({"text_in": "x" * 4096}), system.components[1]
-    with pytest.raises(RunError, match=r"^left \(small_indirect.fmu\) shows a text longer than 4095 bytes at t = 0 s\.$"):
+    with pytest.raises(RunError, match=r"^left \(small_.*\.fmu\) shows a text longer than 4095 bytes at t = 0 s\.$"):
         flown(System(parts, system.connections))
 
 
