@@ -143,6 +143,8 @@ class LoadedSystems:
                 return master
             except RunError:
                 self.drop(law)
+        if any(instance.only_one for master, _ in self.masters.values() for instance in master.instances):
+            self.close()  # an FMU that allows one instance in a process may be in several laws' systems
         with ExitStack() as stack:
             tempfile.tempdir = str(self.folder)  # extracted there, too
             try:
