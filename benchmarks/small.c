@@ -12,7 +12,8 @@
 enum { A11, A12, A21, A22, B1, B2, C1, C2, D, X1, X2, SUBSTEPS, FAULT_TIME, LONGEST, U, Y, Y1, Y2, REALS };
 enum { FAULT, WHOLE_IN, WHOLE_OUT, ANSWER, WHOLES };
 enum { NONE, DISCARD, ERROR_, FATAL, HANG, CRASH, REFUSE_GET, REFUSE_INIT, HANG_INIT, END, ANSWERS, REFUSE_TEXT, NO_TEXT,
-       CRASH_TERMINATE, CRASH_FREE, HANG_TERMINATE, FATAL_TERMINATE, NOT_A_NUMBER, LEAVE, FATAL_INIT, SLOW_INIT };
+       CRASH_TERMINATE, CRASH_FREE, HANG_TERMINATE, FATAL_TERMINATE, NOT_A_NUMBER, LEAVE, FATAL_INIT, SLOW_INIT,
+       REFUSE_FREE };
 
 typedef struct {
     fmi2Real r[REALS], slope, time;
@@ -267,9 +268,11 @@ fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate state)
 }
 fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *state)
 {
-    alive(c);
+    State *s = &alive(c)->s;
     free(*state);
     *state = 0;
+    if (s->i[FAULT] == REFUSE_FREE && s->time >= s->r[FAULT_TIME])
+        return say(c, fmi2Fatal, "told not to free");
     return fmi2OK;
 }
 fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate s, size_t *n) { return fmi2Error; }

@@ -181,6 +181,17 @@ def test_nothing_is_called_after_fatal(fmu, algorithm, plain):
     assert [calls_after_fatal(i) for i in instances] == [0, 0]
 
 
+@pytest.mark.parametrize("plain", [False, True])
+def test_nothing_is_called_after_fatal_to_the_freeing_of_a_state(fmu, plain):
+    system = faulty(fmu, "refuse_free")
+    with open_files(system) as files:
+        master = Master(system, files, plain=plain)
+        instances = list(master.instances)
+        assert fly_loaded(master, method("variable"), 0.01, 100).message.endswith(": told not to free")
+        master.close()
+    assert [calls_after_fatal(i) for i in instances] == [0, 0]
+
+
 @pytest.mark.parametrize("fault,sentence", [("fatal_init", "answered Fatal to fmi2EnterInitializationMode"),
                                             ("fatal_terminate", "")])
 def test_nothing_is_called_after_fatal_at_either_end(fmu, fault, sentence):
