@@ -15,7 +15,6 @@ import numpy as np
 from distributed.diagnostics.plugin import WorkerPlugin
 
 from ..errors import RunError, UsageError
-from ..master import fmu
 from ..master.algorithms import method
 from ..master.flight import Flight, fly_loaded
 from ..master.loaded import Master, open_files
@@ -138,13 +137,13 @@ class LoadedSystems:
         system = self.system(law, values)
         if law in self.masters:
             master = self.masters[law][0]
-            for instance in master.instances:  # what FMUs say is kept by their name, which laws share
-                fmu.MESSAGES[instance.name] = instance.messages
             try:
                 master.reset(system)
                 return master
             except RunError:
                 self.drop(law)
+        if any(instance.only_one for master, _ in self.masters.values() for instance in master.instances):
+            self.close()  # an FMU that allows one instance in a process may be in several laws' systems
         with ExitStack() as stack:
             tempfile.tempdir = str(self.folder)  # extracted there, too
             try:

@@ -29,7 +29,7 @@ def compare(
     from ..vehicle.compare import compare as fly
 
     summary, flights, notes = fly(scenario, controller, plant, flavour, step, stop, out)
-    note(notes)
+    note([*notes, *(f"{law}: {warning}" for law, flight in flights.items() for warning in flight.warnings)])
     if as_json:
         print(json.dumps(summary))
     else:
@@ -37,3 +37,4 @@ def compare(
         print(f"{summary['verdict']} Figures: {summary['out']}")
     if not all(flight.finished for flight in flights.values()):
         raise RunError("; ".join(f"{law}: {flight.message}" for law, flight in flights.items() if flight.message))
+    note([f"{law}: {flight.message}" for law, flight in flights.items() if flight.message])

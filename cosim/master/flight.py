@@ -14,8 +14,8 @@ import numpy as np
 from ..errors import RunError, UsageError, did_you_mean
 from .algorithms import Method, method
 from .algorithms.base import Algorithm, Experiment
-from .fmu import Instance
-from .loaded import Master, open_files
+from .instance import Instance
+from .loaded import Ended, Master, open_files
 from .pace import Pace
 from .progress import Progress
 from .recording import CHUNK_ROWS, Recorder, Stream
@@ -43,13 +43,14 @@ class Flight:
     signals: np.ndarray              # (rows, columns)
     columns: list[Signal]
     finished: bool
-    message: str                     # why it ended early; empty if it did not
+    message: str                     # why it ended before its stop, or what failed after; empty if nothing did
     startup_s: float                 # loading and initialising
     wall_s: float                    # ticking
     parameters: dict[str, dict[str, Any]]
     fmus: dict[str, dict[str, str]]
     ticks: int = 0                   # steps that were taken
     lateness: dict[str, float] | None = None   # of a paced run
+    ended_at: float | None = None    # s, where an FMU ended the simulation, which counts as finished
 
     @cached_property
     def places(self) -> dict[str, int]:
@@ -106,10 +107,22 @@ class Flight:
         return plot(self, names)
 
     @property
+    def warnings(self) -> list[str]:
+        """What a reader should know of the numbers: the signals that are not finite, in one sentence."""
+        strange = ~np.isfinite(self.signals)
+        found = np.flatnonzero(strange.any(axis=0)).tolist()
+        if not found:
+            return []
+        first, names = int(strange.any(axis=1).argmax()), [self.columns[i].name for i in found]
+        more = f" and {len(names) - 5} more signals" if len(names) > 5 else ""
+        return [f"{', '.join(names[:5])}{more} {'is' if len(names) == 1 else 'are'} nan or infinite, first at "
+                f"t = {self.time[first]:.6g} s: figures made of them tell nothing."]
+
+    @property
     def outcome(self) -> str:
         """What happened, in one sentence."""
         until = f"{self.time[-1]:.6g} s" if len(self.time) else "nowhere"
-        ended = "finished" if self.finished else f"ended early: {self.message.rstrip('.')}"
+        ended = f"ended early: {self.message.rstrip('.')}" if self.message else "finished"
         return f"Flight of {', '.join(self.fmus)} to {until} in {self.ticks} steps, {ended}."
 
     def __repr__(self) -> str:
@@ -123,6 +136,7 @@ class Flight:
 
 
 Begun = Callable[[Flight, dict[tuple[int, int], tuple[str, str, int]]], None]
+Flown = Callable[[Flight], None]
 
 
 def tick_count(step: float, stop: float) -> int:
@@ -138,17 +152,19 @@ def tick_count(step: float, stop: float) -> int:
 def fly(system: System, step: float, stop: float, algorithm: str | Method = "gauss-seidel",
         progress: Progress | None = None, *, record: list[str] | None = None, decimate: int = 1,
         plain: bool = False, real_time: float | None = None, stream: Path | None = None,
-        recorder: MakeRecorder | None = None, begun: Begun | None = None) -> Flight:
+        recorder: MakeRecorder | None = None, begun: Begun | None = None, flown: Flown | None = None) -> Flight:
     """Fly `system` from 0 to `stop` (s) in communication steps of `step` (s).
 
     `algorithm` is a word as in `algorithms.method`. `record` picks the variables to keep, by component.variable with *
     for any (None: all numeric outputs), `decimate` every how many ticks; `stream` is a Parquet file to
     write them to as they come, and then memory keeps a part only. `plain` takes the tick loop in Python. `real_time`
     paces the run, times that factor. `recorder` makes another place for the rows, and `begun` is told before the first
-    tick what is known by then, with the FMU calls of the programs.
+    tick what is known by then, with the FMU calls of the programs; `flown` is told the flight before its FMUs
+    are ended.
 
     An FMU that refuses a step ends the run early: what was flown is in the result, `finished` is false
-    and `message` names the FMU, the call, the time and its reason. So does Ctrl-C.
+    and `message` names the FMU, the call, the time and its reason. So does Ctrl-C. An FMU may also end the simulation
+    (fmi2Discard with fmi2Terminated): then `finished` is true, and `ended_at` and `message` tell when and why.
 
     Raises UsageError before anything flies if the system or the numbers do not fit; RunError if the
     FMUs cannot be started.
@@ -159,9 +175,12 @@ def fly(system: System, step: float, stop: float, algorithm: str | Method = "gau
     with open_files(system) as files:
         master = Master(system, files, record, plain, decimate > 1)
         try:
-            return fly_loaded(master, chosen, step, ticks, progress, decimate, real_time,
-                              recorder(master.columns) if recorder else make_recorder(master.columns, stream),
-                              begun, began)
+            flight = fly_loaded(master, chosen, step, ticks, progress, decimate, real_time,
+                                recorder(master.columns) if recorder else make_recorder(master.columns, stream),
+                                begun, began)
+            if flown:
+                flown(flight)
+            return flight
         finally:
             master.close()
 
@@ -195,22 +214,24 @@ def fly_loaded(master: Master, chosen: Method, step: float, ticks: int, progress
         raise
     pace = Pace(real_time, step) if real_time else None
     began = time.perf_counter()
-    flight.message = advance(running, experiment, progress, pace)
+    flight.message, flight.ended_at = advance(running, experiment, progress, pace)
     flight.wall_s = time.perf_counter() - began
     flight.time, flight.signals = recorder.finish()
-    flight.finished, flight.ticks = not flight.message, running.ticks
+    flight.finished, flight.ticks = not flight.message or flight.ended_at is not None, running.ticks
     flight.lateness = pace.report() if pace else None
     return flight
 
 
-def advance(algorithm: Algorithm, experiment: Experiment, progress: Progress | None, pace: Pace | None) -> str:
-    """Advance to the stop in chunks of about CHUNK_S; why it ended early, or an empty text."""
+def advance(algorithm: Algorithm, experiment: Experiment, progress: Progress | None, pace: Pace | None
+            ) -> tuple[str, float | None]:
+    """Advance to the stop in chunks of about CHUNK_S; why it ended early, or an empty text, and the time (s) at which
+    an FMU ended the simulation if one did."""
     most, limit = 16, CHUNK_ROWS * experiment.decimate
     with interruptions() as interrupted:
         try:
             while not algorithm.done:
                 if interrupted:
-                    return f"Interrupted at t = {algorithm.time:.6g} s."
+                    return f"Interrupted at t = {algorithm.time:.6g} s.", None
                 if pace:
                     pace.wait(algorithm.time, interrupted)
                 chunk = time.perf_counter()
@@ -219,9 +240,11 @@ def advance(algorithm: Algorithm, experiment: Experiment, progress: Progress | N
                 most = max(1, min(int(most * min(4.0, CHUNK_S / max(took, 1e-9))), limit))
                 if progress:
                     progress(algorithm.time)
+        except Ended as end:
+            return str(end), end.time
         except RunError as error:
-            return str(error)
-    return ""
+            return str(error), None
+    return "", None
 
 
 @contextmanager

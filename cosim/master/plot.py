@@ -62,6 +62,6 @@ def plot(flight: "Flight", names: Sequence[str]) -> Figure:
         axis.grid(True, alpha=0.3)
         axis.ticklabel_format(axis="y", useOffset=False)
     axes[-1].set_xlabel("time (s)")
-    if not flight.finished:
+    if flight.message:
         axes[0].set_title(f"ended at {flight.time[-1]:.6g} s", fontsize="medium")
     return figure
