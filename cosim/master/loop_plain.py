@@ -59,8 +59,10 @@ class Loop:
                 if status > 1:
                     return int(status)
             if decimate > 0 and (tick + 1) % decimate == 0:
-                rows[cursor[2]] = w.signals[w.recorded]
-                times[cursor[2]] = start + (tick + 1) * step
+                now = start + (tick + 1) * step
+                due = w.clock[w.holder[w.recorded], 0] <= now + 0.5 * step
+                rows[cursor[2]] = np.where(due, w.signals[w.recorded], w.before[w.recorded])
+                times[cursor[2]] = now
                 cursor[2] += 1
         return 0
 
