@@ -53,7 +53,7 @@ class Course:
     def settling(self, target: float, band: float) -> float | None:
         """Time (s) from the first row until the values stay within `band` of `target`; None if they do not."""
         away = np.abs(self.values - target)
-        outside = np.flatnonzero(~(away <= band))
+        outside = np.flatnonzero(away > band)
         if not len(outside):
             return 0.0
         last = int(outside[-1])

@@ -46,18 +46,18 @@ def course(flight: Flight, expression: str) -> Course:
 
 
 def reference(time: np.ndarray, command: np.ndarray, start: float) -> np.ndarray:
-    """The filter (67), at rest at `start` at first, driven by `command` held from row to row; shapes (rows,)."""
-    from scipy.linalg import expm
+    """The filter (67), at rest at `start` at first, driven by `command` held from row to row; shapes (rows,).
 
-    found = np.full(len(time), start)
-    x = np.array([start, 0.0])
-    A = np.array([[0.0, 1.0], [-OMEGA**2, -2 * ZETA * OMEGA]])
-    steps: dict[float, np.ndarray] = {}
-    for k in range(1, len(time)):
-        h = round(float(time[k] - time[k - 1]), 12)
-        if h not in steps:
-            steps[h] = expm(A * h)
-        level = np.array([command[k - 1], 0.0])
-        x = level + steps[h] @ (x - level)
-        found[k] = x[0]
-    return found
+    From row to row the distance to the command and the speed are multiplied by the matrix [[a, b], [c, d]].
+    """
+    damping, frequency = ZETA * OMEGA, OMEGA * np.sqrt(1 - ZETA**2)
+    steps = np.diff(time)
+    decay, sine = np.exp(-damping * steps), np.sin(frequency * steps) / frequency
+    a, d = (decay * (np.cos(frequency * steps) + sign * damping * sine) for sign in (1, -1))
+    b, c = decay * sine, -OMEGA**2 * decay * sine
+    found, speed = [start], 0.0
+    for level, a_k, b_k, c_k, d_k in zip(command[:-1].tolist(), *(part.tolist() for part in (a, b, c, d))):
+        away = found[-1] - level
+        found.append(level + a_k * away + b_k * speed)
+        speed = c_k * away + d_k * speed
+    return np.array(found)

@@ -2,6 +2,7 @@
 import numpy as np
 import pytest
 from flights import made
+from scipy.linalg import expm
 
 from cosim.campaign.criteria import metrics_of
 from cosim.campaign.worker import ENVELOPE_POINTS, errors_over_time
@@ -66,11 +67,16 @@ def test_a_controller_without_a_reference_is_judged_by_the_filtered_command():
     assert found["altitude_error_ft.max_abs"] == pytest.approx(np.max(np.abs(10 - reference(time, command, 10.0))))
 
 
-def test_the_filter_answers_the_same_whatever_the_rows():
-    fine, coarse = np.linspace(0, 40, 4001), np.array([0, 1, 1.25, 7, 20, 40.0])
-    found = reference(fine, np.where(fine < 1, 0.0, 1.0), 0.0)
-    assert reference(coarse, np.where(coarse < 1, 0.0, 1.0), 0.0) == pytest.approx(np.interp(coarse, fine, found),
-                                                                                   abs=1e-9)
+@pytest.mark.parametrize("time", [np.linspace(0, 90, 9001), np.array([0, 1, 1.25, 7, 20, 90.0])])
+def test_the_filter_answers_the_same_whatever_the_rows(time):
+    """Two steps of the command, at 0 and at 1 s, through x'' = 0.01 (command - x) - 0.18 x'."""
+    A = np.array([[0, 1], [-0.01, -0.18]])
+
+    def step(t):
+        return (np.eye(2) - expm(A * t))[0, 0] if t > 0 else 0.0
+
+    expected = [100 + 50 * step(t) - 80 * step(t - 1) for t in time]
+    assert reference(time, np.where(time < 1, 150.0, 70.0), 100.0) == pytest.approx(np.array(expected), abs=1e-9)
 
 
 def test_a_slow_controller_is_judged_when_it_has_stepped():
