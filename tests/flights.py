@@ -10,4 +10,5 @@ def made(time, signals, periods=None) -> Flight:
     time = np.asarray(time, float)
     columns = [Signal(name, "", "") for name in signals]
     rows = np.column_stack([np.broadcast_to(np.asarray(values, float), time.shape) for values in signals.values()])
-    return Flight(time, rows, columns, True, "", 0.0, 0.0, {}, {}, len(time) - 1, periods=periods or {})
+    return Flight(time, rows, columns, True, "", 0.0, 0.0, {}, {}, len(time) - 1, float(time[-1]),
+                  periods=periods or {})

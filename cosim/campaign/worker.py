@@ -194,7 +194,7 @@ class LoadedSystems:
     def outcome(self, request: Request, flight: Flight, status: str) -> Outcome:
         """What a flight shows of the request."""
         found = {name: value for name, value in measured(flight).items() if value is not None}
-        ended = None if flight.finished else float(flight.time[-1])
+        ended = None if flight.finished else flight.reached
         success = {name: flight.finished and holds(text, found) for name, text in self.job.success.items()}
         result = Outcome(request, status, flight.message, flight.ticks, ended, found, success)
         if request.envelope:

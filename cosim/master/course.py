@@ -62,8 +62,8 @@ class Course:
         share = (away[last] - band) / abs(self.values[last + 1] - self.values[last])
         return float(self.time[last] + share * (self.time[last + 1] - self.time[last]) - self.time[0])
 
-    def at(self, times: np.ndarray) -> np.ndarray:
-        """The values at `times` (s), shape (times,); NaN before the first and after the last row."""
+    def at(self, times: np.ndarray | float) -> np.ndarray:
+        """The values at `times` (s), in the shape of these; NaN before the first and after the last row."""
         found: np.ndarray = np.interp(times, self.time, self.values, left=np.nan, right=np.nan)
         return found
 

@@ -51,6 +51,7 @@ class Flight:
     parameters: dict[str, dict[str, Any]]
     fmus: dict[str, dict[str, str]]
     ticks: int = 0                   # steps that were taken
+    reached: float = 0.0             # the end of the last of them, s; it may not be recorded
     lateness: dict[str, float] | None = None   # of a paced run
     periods: dict[str, float] = field(default_factory=dict)   # s, of the components that do not step in every tick
 
@@ -129,9 +130,8 @@ class Flight:
     @property
     def outcome(self) -> str:
         """What happened, in one sentence."""
-        until = f"{self.time[-1]:.6g} s" if len(self.time) else "nowhere"
         ended = "finished" if self.finished else f"ended early: {self.message.rstrip('.')}"
-        return f"Flight of {', '.join(self.fmus)} to {until} in {self.ticks} steps, {ended}."
+        return f"Flight of {', '.join(self.fmus)} to {self.reached:.6g} s in {self.ticks} steps, {ended}."
 
     def __repr__(self) -> str:
         signals = "1 signal" if len(self.columns) == 1 else f"{len(self.columns)} signals"
@@ -220,7 +220,7 @@ def fly_loaded(master: Master, chosen: Method, step: float, ticks: int, progress
     flight.message = advance(running, experiment, progress, pace)
     flight.wall_s = time.perf_counter() - began
     flight.time, flight.signals = recorder.finish()
-    flight.finished, flight.ticks = not flight.message, running.ticks
+    flight.finished, flight.ticks, flight.reached = not flight.message, running.ticks, running.time
     flight.lateness = pace.report() if pace else None
     return flight
 

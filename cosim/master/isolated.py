@@ -173,7 +173,8 @@ class Parent:
             self.recorder.keep(self.place.doubles[:used].copy(), rows.copy())
         flight = self.head
         flight.time, flight.signals = self.recorder.finish()
-        flight.finished, flight.ticks, flight.wall_s = False, tick, time.perf_counter() - self.begun
+        flight.finished, flight.ticks, flight.reached = False, tick, start + tick * step
+        flight.wall_s = time.perf_counter() - self.begun
         flight.message = f"{who} {how} {call} at t = {start + (tick + late) * step:.6g} s{last_message}"
         return flight
 

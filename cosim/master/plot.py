@@ -65,5 +65,5 @@ def plot(flight: "Flight", names: Sequence[str]) -> Figure:
         axis.ticklabel_format(axis="y", useOffset=False)
     axes[-1].set_xlabel("time (s)")
     if not flight.finished:
-        axes[0].set_title(f"ended at {flight.time[-1]:.6g} s", fontsize="medium")
+        axes[0].set_title(f"ended at {flight.reached:.6g} s", fontsize="medium")
     return figure

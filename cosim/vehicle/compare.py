@@ -79,7 +79,7 @@ def figures_of(flight: Flight) -> dict[str, Any]:
     for key, name in (("elevator_saturated_s", "elevator_saturated"), ("fuel_saturated_s", "fuel_ratio_saturated")):
         flag = f"controller.{name}"
         result[key] = flight.course(flag).time_on() if flight.has(flag) else None
-    return {"finished": flight.finished, "departed_at_s": None if flight.finished else float(flight.time[-1]), **result}
+    return {"finished": flight.finished, "departed_at_s": None if flight.finished else flight.reached, **result}
 
 
 def size_of(path: Path, preset: str | None) -> dict[str, int | None]:

@@ -80,7 +80,7 @@ def write(out: Path, flight: Flight, name: str, first_figure: int | None = None)
     for number, (key, title, panels) in enumerate(PICTURES, first_figure or 0):
         if not available(flight, panels):
             continue
-        ending = "" if flight.finished else f" (ended at {flight.time[-1]:.2f} s)"
+        ending = "" if flight.finished else f" (ended at {flight.reached:.2f} s)"
         figure = draw(flight, f"{name}: {title}{ending}", panels)
         path = folder / (f"{key}.png" if first_figure is None else f"figure_{number:02d}_{key}.png")
         figure.savefig(path, dpi=120, pil_kwargs={"compress_level": 1})

@@ -65,9 +65,9 @@ def said_of(plan: Scenario, loop: ClosedLoop, algorithm: str, step: float, stop:
 
 def shown_by(flight: Flight) -> dict[str, Any]:
     """What run.json says of the flight."""
-    last = float(flight.time[-1])
-    return {"ticks": flight.ticks, "finished": flight.finished, "departed_at_s": None if flight.finished else last,
-            **metrics(flight), "real_time_factor": last / flight.wall_s if flight.ticks else 0.0}
+    return {"ticks": flight.ticks, "finished": flight.finished,
+            "departed_at_s": None if flight.finished else flight.reached, **metrics(flight),
+            "real_time_factor": flight.reached / flight.wall_s if flight.ticks else 0.0}
 
 
 def presets_of(loop: ClosedLoop) -> dict[str, dict[str, str]]:
