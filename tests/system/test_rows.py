@@ -75,4 +75,6 @@ def test_a_streamed_run_whose_last_rows_memory_does_not_keep_leaves_its_record(t
     done = run("case1", stream=True, step=0.001, stop=1.507, algorithm="iterated", out=tmp_path)
     assert len(done.flight.time) < 102 and done.flight.time[-1] == pytest.approx(1.507)
     assert json.loads((tmp_path / "run.json").read_text())["ticks"] == 1507
+    assert done.notes == [f"metrics and figures are computed from {len(done.flight.time)} of 1508 rows: those that "
+                          f"--stream keeps in memory."]
     assert pyarrow.parquet.read_table(tmp_path / "signals.parquet").num_rows == 1508
