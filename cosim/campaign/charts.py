@@ -65,8 +65,10 @@ def envelopes(results: list[Results], errors: pa.Table, stop: float) -> Figure:
             axis.set_title(r.law if row == 0 else "")
             axis.set_ylabel(label if column == 0 else "")
             axis.grid(True, alpha=0.3)
-        flying = np.isfinite(lines)
-        axes[-1, column].plot(time, 100 * flying.mean(axis=0), color=f"C{column}")
+        flying = 100 * np.isfinite(lines).mean(axis=0)
+        if len(time) and time[-1] < stop * (1 - 1e-9):
+            time, flying = np.append(time, [time[-1], stop]), np.append(flying, [0.0, 0.0])
+        axes[-1, column].plot(time, flying, color=f"C{column}")
         axes[-1, column].set_xlim(0, stop)
         axes[-1, column].set_ylim(-3, 103)
         axes[-1, column].set_xlabel("time (s)")

@@ -20,10 +20,16 @@ def errors(*runs):
 def test_curves_have_the_times_of_the_rows_where_no_run_reaches_the_end():
     axes = envelopes([SimpleNamespace(law="x")], errors(([0, 5, 10], [0, 1, 2], [0, 0, 0]),
                                                         ([0, 5], [0, 3], [0, 2])), 100.0).axes
-    for axis, expected in zip(axes, ([0, 2, 2], [0, 1, 0], [100, 100, 50])):
-        line = axis.lines[0]
-        assert line.get_xdata().tolist() == [0, 5, 10] and line.get_ydata().tolist() == expected
+    for axis, expected in zip(axes, ([0, 2, 2], [0, 1, 0])):
+        assert axis.lines[0].get_xdata().tolist() == [0, 5, 10] and axis.lines[0].get_ydata().tolist() == expected
         assert axis.get_xlim() == (0, 100)
+    flying = axes[2].lines[0]
+    assert (flying.get_xdata().tolist(), flying.get_ydata().tolist()) == ([0, 5, 10, 10, 100], [100, 100, 50, 0, 0])
+
+
+def test_runs_that_reach_the_end_fly_to_the_end():
+    flying = envelopes([SimpleNamespace(law="x")], errors(([0, 5], [0, 1], [0, 0])), 5.0).axes[2].lines[0]
+    assert (flying.get_xdata().tolist(), flying.get_ydata().tolist()) == ([0, 5], [100, 100])
 
 
 def test_bands_are_quantiles_over_the_runs_that_still_fly():
