@@ -2,9 +2,9 @@
 import signal
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -14,6 +14,7 @@ import numpy as np
 from ..errors import RunError, UsageError, did_you_mean
 from .algorithms import Method, method
 from .algorithms.base import Algorithm, Experiment
+from .course import Course, terms
 from .instance import Instance
 from .loaded import Ended, Master, open_files
 from .pace import Pace
@@ -37,7 +38,8 @@ class Flight:
     """What a run left: one row of `signals` per recorded tick that was completed, the first at the start time.
 
     `flight["component.variable"]` is one signal, `"component.variable" in flight` and `list(flight)` tell which there
-    are. Values are in the units that the FMUs declare.
+    are. Values are in the units that the FMUs declare. A row shows what each component had last at its time. Rows need
+    not be evenly spaced: `course` gives figures that are weighted by time.
     """
     time: np.ndarray                 # (rows,), s
     signals: np.ndarray              # (rows, columns)
@@ -49,8 +51,10 @@ class Flight:
     parameters: dict[str, dict[str, Any]]
     fmus: dict[str, dict[str, str]]
     ticks: int = 0                   # steps that were taken
+    reached: float = 0.0             # the end of the last of them, s; it may not be recorded
     lateness: dict[str, float] | None = None   # of a paced run
     ended_at: float | None = None    # s, where an FMU ended the simulation, which counts as finished
+    periods: dict[str, float] = field(default_factory=dict)   # s, of the components that do not step in every tick
 
     @cached_property
     def places(self) -> dict[str, int]:
@@ -76,6 +80,24 @@ class Flight:
     def has(self, name: str) -> bool:
         """Whether there is a signal called `name`."""
         return name in self
+
+    def together(self, names: Iterable[str]) -> np.ndarray:
+        """Which rows, shape (rows,), have the values of these signals at the same time: those at which all of their
+        components have just stepped. All rows, if they step in every tick."""
+        found = np.ones(len(self.time), bool)
+        for period in {self.periods.get(name.partition(".")[0], 0.0) for name in names} - {0.0}:
+            found &= np.abs(self.time - np.round(self.time / period) * period) < 1e-6 * period
+        return found
+
+    def course(self, expression: str) -> Course:
+        """The course of a signal, or of sums and differences such as `plant.h - controller.h_reference`.
+
+        It has the rows at which all of them are known (see `together`). Raises UsageError for an unknown signal.
+        """
+        parts = terms(expression, self)
+        values = sum(sign * np.asarray(self[name]) for sign, name in parts)
+        rows = self.together(name for _, name in parts)
+        return Course(self.time[rows], np.asarray(values)[rows])
 
     def to_arrow(self) -> Any:
         """A pyarrow.Table: time (s) and every signal, with unit and description in each field's metadata."""
@@ -121,7 +143,7 @@ class Flight:
     @property
     def outcome(self) -> str:
         """What happened, in one sentence."""
-        until = f"{self.time[-1]:.6g} s" if len(self.time) else "nowhere"
+        until = f"{self.reached:.6g} s"
         ended = f"ended early: {self.message.rstrip('.')}" if self.message else "finished"
         return f"Flight of {', '.join(self.fmus)} to {until} in {self.ticks} steps, {ended}."
 
@@ -204,7 +226,8 @@ def fly_loaded(master: Master, chosen: Method, step: float, ticks: int, progress
         master.initialise(0.0, experiment.stop)
         flight = Flight(time=np.empty(0), signals=np.empty((0, len(master.columns))), columns=master.columns,
                         finished=False, message="", startup_s=0.0, wall_s=0.0,
-                        parameters={i.name: inquire(i) for i in master.instances}, fmus=origins(master))
+                        parameters={i.name: inquire(i) for i in master.instances}, fmus=origins(master),
+                        periods=chosen.periods(step))
         flight.startup_s = time.perf_counter() - began
         if begun:
             begun(flight, master.calls())
@@ -218,6 +241,7 @@ def fly_loaded(master: Master, chosen: Method, step: float, ticks: int, progress
     flight.wall_s = time.perf_counter() - began
     flight.time, flight.signals = recorder.finish()
     flight.finished, flight.ticks = not flight.message or flight.ended_at is not None, running.ticks
+    flight.reached = running.time
     flight.lateness = pace.report() if pace else None
     return flight
 

@@ -180,7 +180,9 @@ class Parent:
         if self.flown:  # what follows is the end of its FMUs
             sentence = f"{flight.message.rstrip('.')}; then {sentence}" if flight.message else sentence
         else:
+            start, step = self.place.span.tolist()
             flight.ticks, flight.wall_s = tick if steps < 0 else steps, time.perf_counter() - self.begun
+            flight.reached = start + tick * step
         flight.finished, flight.message = False, sentence
         return flight
 

@@ -57,8 +57,9 @@ def kernel(ops: Array, groups: Array, components: Array, where: Array, factor: A
            recorded: Array, rows: Array, times: Array, cursor: Array,
            first: int, count: int, start: float, step: float, decimate: int) -> np.int64:
     """Ticks first ... first + count - 1, of `step` from `start`; a row of the recorded signals after each tick whose
-    number, counted from 1, `decimate` divides (0: none). Returns 0, or the status of the call that failed, which is any
-    but OK and Warning; `cursor` tells where it is, see `program`."""
+    number, counted from 1, `decimate` divides (0: none); a signal that is marked for later shows what it was before.
+    Returns 0, or the status of the call that failed, which is any but OK and Warning; `cursor` tells where it is, see
+    `program`."""
     for tick in range(first, first + count):
         cursor[TICK] = tick
         t = start + tick * step
@@ -131,9 +132,12 @@ def kernel(ops: Array, groups: Array, components: Array, where: Array, factor: A
                 return status
         if decimate > 0 and (tick + 1) % decimate == 0:
             used = cursor[USED]
+            now = start + (tick + 1) * step
             for c in range(recorded.shape[0]):
-                rows[used, c] = signals[recorded[c]]
-            times[used] = start + (tick + 1) * step
+                s = recorded[c]
+                due = clock[holder[s], 0] <= now + 0.5 * step
+                rows[used, c] = signals[s] if due else before[s]
+            times[used] = now
             cursor[USED] = used + 1
     return np.int64(0)
 

@@ -61,8 +61,10 @@ class Loop:
                 if status not in DONE:
                     return int(status)
             if decimate > 0 and (tick + 1) % decimate == 0:
-                rows[cursor[P.ROWS]] = w.signals[w.recorded]
-                times[cursor[P.ROWS]] = start + (tick + 1) * step
+                now = start + (tick + 1) * step
+                due = w.clock[w.holder[w.recorded], 0] <= now + 0.5 * step
+                rows[cursor[P.ROWS]] = np.where(due, w.signals[w.recorded], w.before[w.recorded])
+                times[cursor[P.ROWS]] = now
                 cursor[P.ROWS] += 1
         return 0
 

@@ -9,7 +9,8 @@ With t the time at the start of the tick and h the base step:
     SLOPE    give a group its inputs at t, and their slopes (fmi2SetRealInputDerivatives)
     STEP     fmi2DoStep from t over reach * h
     GET      read a group's variables into the signals
-    MARK     remember a component's signals and their time as the last ones; those to come hold at t + reach * h
+    MARK     remember a component's signals and their time as the last ones; those to come hold at t + reach * h,
+             and are recorded from then on
     SAVE     fmi2GetFMUstate of a component, in place of the one saved before
     RESTORE  fmi2SetFMUstate of the saved one
 """

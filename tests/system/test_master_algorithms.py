@@ -29,7 +29,7 @@ def error(system, step, algorithm, ld=0.0):
     flight = fly(system, step, STOP, algorithm)
     assert flight.finished, flight.message
     shown = np.column_stack([flight["left.y"], flight["right.y"]])
-    both = slice(None, None, 4) if "right=4" in algorithm else slice(None)  # between, right shows the end of its step
+    both = slice(None, None, 4) if "right=4" in algorithm else slice(None)  # between, right shows what it had
     later = flight.time[both] > 0.5 * (ld != 0)  # a first step has no slope yet
     return float(np.abs(shown - exact(flight.time, ld))[both][later].max()), flight
 
@@ -74,8 +74,23 @@ def test_multi_rate_with_equal_rates_is_gauss_seidel(build):
 
 def test_multi_rate_holds_what_a_slow_component_shows(build):
     flight = fly(small.pair(build()), 0.01, STOP, "multi-rate,right=5")
-    shown = flight["right.y"][1:].reshape(-1, 5)
+    shown = flight["right.y"][:-1].reshape(-1, 5)
     assert np.all(shown == shown[:, :1]) and len(np.unique(shown)) == 40
+
+
+@pytest.mark.parametrize("plain", [False, True])
+@pytest.mark.parametrize("hold", ["", ",hold=linear"])
+def test_a_row_shows_what_a_slow_component_had_and_never_what_it_will_have(build, hold, plain):
+    """What `right` gives at the end of a step of its own is due then: at t = 0, 0.05, 0.1 ..."""
+    flight = fly(small.pair(build()), 0.01, STOP, f"multi-rate,right=5{hold}", plain=plain)
+    assert flight.periods == {"right": pytest.approx(0.05)}
+    for name, column in (("left.y", 0), ("right.y", 1)):
+        due = flight.together([name])
+        assert np.abs(flight[name] - exact(flight.time)[:, column])[due].max() < 0.1
+    steps = np.flatnonzero(np.diff(flight["right.y"])) + 1
+    assert np.array_equal(steps, np.flatnonzero(flight.together(["right.y"]))[1:])
+    part = fly(small.pair(build()), 0.01, STOP, f"multi-rate,right=5{hold}", plain=plain, decimate=3)
+    assert np.array_equal(part.signals, flight.signals[[*range(0, 201, 3), 200]])
 
 
 def test_iteration_without_a_declared_loop_is_gauss_seidel(build):

@@ -64,7 +64,7 @@ def outputs(master: Master, component: int, hold: bool, decimate: int = 1, perio
     """Read what others need, and on recorded ticks what is only to be recorded."""
     def when(group: Group) -> tuple[int, int]:
         return (period, 0) if period > 1 or group.connected or decimate == 1 else (decimate, decimate - 1)
-    marks = [row(P.MARK, component, period, 0, period)] if hold else []
+    marks = [row(P.MARK, component, period, 0, period)] if hold or period > 1 else []
     return marks + [row(P.GET, g.number, *when(g)) for g in master.wiring.outputs[component]]
 
 
