@@ -6,12 +6,14 @@ the search began with. What is flown and what it costs: `tune_flights`.
 """
 import json
 import math
+import os
 import signal
+import threading
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from multiprocessing import get_context
+from multiprocessing import get_context, parent_process
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +27,7 @@ from ..master.whole_file import whole
 from . import scenarios
 from .closed_loop import choice, closed_loop
 from .registry import LAWS
-from .tune_flights import QUICK, SETS, Bench, Figures, Flown, draws
+from .tune_flights import QUICK, SETS, Bench, Figures, Flown, vehicles
 
 CHECK_EVERY = 10   # generations between two flights of the test draws
 WITHIN_FT = 20.0
@@ -79,9 +81,18 @@ BENCH: list[Bench] = []  # of this process
 
 
 def begin(systems: Mapping[str, System]) -> None:
-    """Prepare a worker process. Ctrl-C is for the parent."""
+    """Prepare a worker process. Ctrl-C is for the parent, and no worker outlives it."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=end_with_parent, daemon=True).start()
     BENCH[:] = [Bench(systems)]
+
+
+def end_with_parent() -> None:
+    """Wait for the end of the parent process, then end this one."""
+    parent = parent_process()
+    assert parent is not None
+    parent.join()
+    os._exit(1)
 
 
 def flown_by(gains: Gains, flights: list[Flown]) -> list[Figures]:
@@ -158,18 +169,23 @@ def searched(free: list[Gain], training: list[Flown], test: list[Flown], fixed: 
 
 
 def tune(law: str, preset: str | None = None, flights: str = "independent", gain: list[str] | None = None,
-         evaluations: int = 1500, draw: int = 64, seed: int = 1, sigma: float = 0.3, workers: int = 2,
+         evaluations: int = 480, draws: int = 48, seed: int = 1, sigma: float = 0.3, workers: int = 2,
          out: Path | None = None, tell: Tell = lambda line: None) -> dict[str, Any]:
     """Tune `law` (a word of the registry, or anybody's FMU as NAME=FILE.fmu), beginning with its `preset`.
 
     `flights` is one of `tune_flights.SETS`. `gain` names the gains that are free; without it they are the registry's,
-    or, of an FMU file, those that the preset sets. `evaluations` is how many sets of gains are flown, each on `draw`
+    or, of an FMU file, those that the preset sets. `evaluations` is how many sets of gains are flown, each on `draws`
     drawn vehicles; twice as many are test draws, four times as many fresh ones. `sigma` is the search's first step, of
     a gain's logarithm. The same arguments give the same gains, with any number of `workers` (processes).
 
     Returns what tune.json has in `out`, else in results/tune/LAW; it is written anew after each generation. `tell` is
     told a line for each. Raises UsageError for what cannot be tuned, RunError after Ctrl-C: the best so far is kept.
     """
+    for option, value in (("evaluations", evaluations), ("draws", draws), ("seed", seed), ("workers", workers)):
+        if value < 1:
+            raise UsageError(f"--{option} {value} is not allowed: it must be at least 1.")
+    if not 0 < sigma < math.inf:
+        raise UsageError(f"--sigma {sigma:g} is not allowed: it must be a positive number.")
     chosen = SETS[choice("flights", flights, SETS)]
     name = law.rpartition("=")[0] or Path(law).stem
     preset = preset or (LAWS[law].preset if law in LAWS else None)
@@ -180,8 +196,8 @@ def tune(law: str, preset: str | None = None, flights: str = "independent", gain
     folder = out or Path("results") / "tune" / name
     prepare_folder(folder)
     seeds = {use: 10 * seed + k for k, use in enumerate(("training", "test", "fresh"))}
-    counts = {"training": draw, "test": 2 * draw, "fresh": 4 * draw}
-    drawn = {use: draws(chosen, counts[use], seeds[use]) for use in seeds}
+    counts = {"training": draws, "test": 2 * draws, "fresh": 4 * draws}
+    drawn = {use: vehicles(chosen, counts[use], seeds[use]) for use in seeds}
     record: dict[str, Any] = {
         "law": name, "preset": preset, "flights": flights, "seed": seed, "sigma": sigma, "budget": evaluations,
         "draws": {use: {"seed": seeds[use], "count": len(drawn[use])} for use in seeds}, "status": "running"}

@@ -68,7 +68,7 @@ class Figures(NamedTuple):
     travel: float
 
 
-def draws(flights: FlightSet, count: int, seed: int) -> list[Flown]:
+def vehicles(flights: FlightSet, count: int, seed: int) -> list[Flown]:
     """Flights of `count` vehicles whose groups swing each with a phase of its own, uniform over the circle."""
     if not flights.drawn:
         return []
