@@ -18,7 +18,7 @@ def tune(
                                               "structures.")] = "independent",
     gain: Annotated[list[str], typer.Option(help="A gain that is free; can be repeated. Else the law's, or, of an FMU "
                                                  "file, those that the preset sets.")] = [],  # noqa: B006
-    evaluations: Annotated[int, typer.Option(help="Sets of gains to fly.", min=1)] = 480,
+    evaluations: Annotated[int, typer.Option(help="Sets of gains to fly.", min=1)] = 960,
     draws: Annotated[int, typer.Option(help="Vehicles that each set is flown on.", min=1)] = 48,
     seed: Annotated[int, typer.Option(help="Of the draws and of the search.", min=1)] = 1,
     sigma: Annotated[float, typer.Option(help="First step of the search, of a gain's logarithm.")] = 0.3,

@@ -169,7 +169,7 @@ def searched(free: list[Gain], training: list[Flown], test: list[Flown], fixed: 
 
 
 def tune(law: str, preset: str | None = None, flights: str = "independent", gain: list[str] | None = None,
-         evaluations: int = 480, draws: int = 48, seed: int = 1, sigma: float = 0.3, workers: int = 2,
+         evaluations: int = 960, draws: int = 48, seed: int = 1, sigma: float = 0.3, workers: int = 2,
          out: Path | None = None, tell: Tell = lambda line: None) -> dict[str, Any]:
     """Tune `law` (a word of the registry, or anybody's FMU as NAME=FILE.fmu), beginning with its `preset`.
 
