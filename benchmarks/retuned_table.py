@@ -24,7 +24,7 @@ from cosim.campaign.worker import LoadedSystems, requests
 from fmus.build import build
 
 RESULTS = Path("results") / "retuned"
-LAMBDAS = (0, 10, 1e3, 1e5)
+LAMBDAS = (0, 10, 1e3, 1e4, 1e5)
 KEPT = ("altitude_error_ft.max_abs", "velocity_error_fps.max_abs", "elevator_deg.travel")
 
 
@@ -84,8 +84,8 @@ def show(row: str, name: str) -> None:
     V, travel = (found[key][kept] for key in KEPT[1:])
     print(f"{row:8} {name:25} {len(h):4} within {share(kept & (h < 20))}  kept {share(kept)}  "
           f"h median, 99 %, of all {np.median(h):8.2f} {np.quantile(h, 0.99):8.2f}, of those kept "
-          f"{np.median(h[kept]):6.2f} {np.quantile(h[kept], 0.99):6.2f}  V {np.median(V):6.2f} {np.quantile(V, 0.99):6.1f}  "
-          f"travel {np.median(travel):5.0f} {np.quantile(travel, 0.99):5.0f}", flush=True)
+          f"{np.median(h[kept]):6.2f} {np.quantile(h[kept], 0.99):6.2f}  V {np.median(V):6.2f} "
+          f"{np.quantile(V, 0.99):6.1f}  travel {np.median(travel):5.0f} {np.quantile(travel, 0.99):5.0f}", flush=True)
 
 
 if __name__ == "__main__":

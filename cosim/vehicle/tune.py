@@ -134,7 +134,8 @@ def shares(found: list[Figures]) -> dict[str, float]:
 
 def searched(free: list[Gain], training: list[Flown], test: list[Flown], fixed: list[Flown], evaluate: Evaluate,
              evaluations: int, seed: int, sigma: float) -> Iterator[dict[str, Any]]:
-    """The state of the search after each generation: `gains`, the best by the test draws so far, and their costs."""
+    """The state of the search after each generation: `gains` are the best by the test draws so far, which fly every
+    CHECK_EVERY generations, `training_gains` the best by the training draws."""
     import cma
 
     def decoded(x: Any) -> Gains:
@@ -146,7 +147,8 @@ def searched(free: list[Gain], training: list[Flown], test: list[Flown], fixed: 
     first = {gain.name: gain.start for gain in free}
     at_start = cost(fixed, flown_one_by_one(evaluate, first, [*training, *fixed]))
     best, known = tested(first), [(at_start, first)]
-    state = {"evaluations": 0, "generation": 0, "gains": first, "training_cost": at_start, "test_cost": best[0],
+    state = {"evaluations": 0, "generation": 0, "gains": first, "test_cost": best[0], "training_cost": at_start,
+             "training_gains": first,
              "start": {"gains": first, "training_cost": at_start, "test_cost": best[0]}}
     yield state
     search = cma.CMAEvolutionStrategy([gain.coded() for gain in free], sigma, {
@@ -164,7 +166,7 @@ def searched(free: list[Gain], training: list[Flown], test: list[Flown], fixed: 
             found = [tested(gains) for gains in (known[0][1], decoded(search.result.xfavorite))]
             best = min([best, *found], key=lambda pair: pair[0])
         state = {**state, "evaluations": int(search.countevals), "generation": generation, "gains": best[1],
-                 "training_cost": known[0][0], "test_cost": best[0]}
+                 "test_cost": best[0], "training_cost": known[0][0], "training_gains": known[0][1]}
         yield state
 
 
