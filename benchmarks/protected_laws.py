@@ -11,7 +11,8 @@ the largest angle of attack A that can be held. The pitch acceleration that a la
 
 The least elevator is the one that gives that. Where a law or this limit asks for more than the elevator's stop, the
 fuel ratio is limited so that the thrust pitches instead. The laws' integrals and observers treat both as their own
-limits. Preset `start` has the gains that tuning began with, `tuned` those that `ahv tune` found.
+limits. Preset `start` has the gains that tuning began with, `independent` those that `ahv tune` found for the law
+alone, and `tuned` those that it found for law and protection together.
 """
 import sys
 from collections import namedtuple
@@ -94,7 +95,7 @@ def module(name, law, **contents):
     return made
 
 
-def protected(name, law, gains):
+def protected(name, law, gains, retuned):
     """The model of `law` behind the protection. Its presets have the gains that `ahv tune` may change."""
     def wished(m, t, x, u):
         return lambda p: law.outputs(m, t, x, u, p)["elevator"]
@@ -127,7 +128,7 @@ def protected(name, law, gains):
     # Without `internal_step`: one evaluation a communication step, as the observers need it.
     table = [(*row[:3], gains.get(row[0], row[3]), *row[4:]) for row in law.VARIABLES if row[0] != "internal_step"]
     return module(name, law, DESCRIPTION="behind the holdable angle of attack", VARIABLES=[*table, *ROWS],
-                  PRESETS={"start": {**gains, **PROTECTION}, "tuned": TUNED[name]},
+                  PRESETS={"start": {**gains, **PROTECTION}, "independent": {**retuned, **PROTECTION}, **TUNED[name]},
                   prepare=prepare, start=start, advance=advance, outputs=outputs)
 
 
@@ -138,8 +139,9 @@ def free(law, preset):
 
 
 MODELS = {
-    "neural": protected("ProtectedNeural", neural_model, free("neural", "robust")),
-    "backstepping": protected("ProtectedBackstepping", backstepping_model, free("backstepping", "calibrated")),
+    "neural": protected("ProtectedNeural", neural_model, free("neural", "robust"), free("neural", "independent")),
+    "backstepping": protected("ProtectedBackstepping", backstepping_model, free("backstepping", "calibrated"),
+                              free("backstepping", "independent")),
 }
 
 if __name__ == "__main__":

@@ -24,6 +24,7 @@ from cosim.campaign.worker import LoadedSystems, requests
 from fmus.build import build
 
 RESULTS = Path("results") / "retuned"
+NO_LIMIT = {"protect_k_barrier": 1e4}  # what is left: the thrust pitches where the elevator's stop does not
 LAMBDAS = (0, 10, 1e3, 1e4, 1e5)
 KEPT = ("altitude_error_ft.max_abs", "velocity_error_fps.max_abs", "elevator_deg.travel")
 
@@ -39,12 +40,15 @@ RETUNED = {
     "neural": law("neural", "calibrated"),
     "neural_robust": law("neural", "robust"),
     "neural_retuned": law("neural", "independent"),
+    "neural_retuned_no_network": law("neural", "independent", lambda_1=0, lambda_2=0),
     "neural_protected": law("ProtectedNeural", "start"),
-    "neural_retuned_protected": law("ProtectedNeural", "tuned"),
+    "neural_retuned_protected": law("ProtectedNeural", "independent"),
+    "neural_retuned_thrust_only": law("ProtectedNeural", "independent", **NO_LIMIT),
     "rival": law("backstepping", "calibrated"),
     "rival_retuned": law("backstepping", "independent"),
     "rival_protected": law("ProtectedBackstepping", "start"),
-    "rival_retuned_protected": law("ProtectedBackstepping", "tuned"),
+    "rival_retuned_protected": law("ProtectedBackstepping", "independent"),
+    "rival_retuned_thrust_only": law("ProtectedBackstepping", "independent", **NO_LIMIT),
     "resilient": law("resilient", "quiet"),
 }
 NETWORKS = {f"{name}_{value:g}": law("ResilientNetwork", "quiet", lambda_2=value, **gains)
