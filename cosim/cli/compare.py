@@ -24,7 +24,7 @@ def compare(
     """Fly control laws on the same scenario: a table, and figures with a curve for each.
 
     The backstepping law is a reconstruction of the one that the paper compares with. It and the neural law's preset
-    `robust` were tuned by the same script with the same cost and budget.
+    `robust` were tuned with the same cost and budget.
     """
     from ..vehicle.compare import compare as fly
 
