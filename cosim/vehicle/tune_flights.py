@@ -13,7 +13,8 @@ from ..master.flight import Flight, fly_loaded, tick_count
 from ..master.loaded import Master, open_files
 from ..master.system import System, Value
 from .closed_loop import Values, merged
-from .metrics import metrics, tracking_errors
+from .metrics import ALTITUDE_ERROR, metrics
+from .signals import course
 
 GROUPS = ("thrust", "lift", "drag", "moment", "forces")
 LOST_FT = 100.0                      # with a larger altitude error the vehicle counts as lost
@@ -85,13 +86,13 @@ def figures(flight: Flight, flown: Flown) -> Figures:
     log(1 + speed error/SPEED_FPS). A vehicle that is lost costs what LOST_FT costs, and up to as much again the
     earlier it is lost.
     """
-    error = np.abs(tracking_errors(flight)["altitude_error_ft"])
-    beyond = np.flatnonzero(~(error < LOST_FT))
+    error = course(flight, ALTITUDE_ERROR)
+    beyond = np.flatnonzero(~(np.abs(error.values) < LOST_FT))
     found = metrics(flight)
     h, V, travel = (found["altitude_error_ft"]["max_abs"], found["velocity_error_fps"]["max_abs"],
                     found["elevator_deg"]["travel"])
     if len(beyond) or not flight.finished:
-        at = float(flight.time[beyond[0] if len(beyond) else -1])
+        at = float(error.time[beyond[0] if len(beyond) else -1])
         return Figures(log1p((LOST_FT / flown.scale)**2) * (2 - at / flown.stop), False, h, V, travel)
     ease = log1p(travel / TRAVEL_DEG) + log1p(V / SPEED_FPS)
     return Figures(log1p((h / flown.scale)**2) + EASE * ease, True, h, V, travel)
