@@ -28,7 +28,8 @@ def shown(title: str, total: int, rows: int, successes: int, dashboard: str) -> 
             nonlocal rows, successes
             rows, successes = rows + more, successes + good
             rate = (rows - before) / max(time.monotonic() - began, 1e-9)
-            bar.update(task, completed=rows, rates=f"{rate:.1f} runs/s, {100 * successes / rows:.1f} % of them successes")
+            share = 100 * successes / rows
+            bar.update(task, completed=rows, rates=f"{rate:.1f} runs/s, {share:.1f} % of all so far successes")
 
         yield update
 
