@@ -2,7 +2,7 @@
 import pytest
 
 from cosim.master.declared import Variable
-from cosim.master.description import Description, parsed, usable
+from cosim.master.description import Description, parsed, read, usable
 from cosim.master.fmu import settable
 
 TYPES = """<UnitDefinitions>
@@ -130,6 +130,21 @@ def test_capabilities_that_are_claimed():
 def test_a_description_that_cannot_be_used_is_refused(given, sentence):
     with pytest.raises(ValueError, match=sentence):
         usable(given)
+
+
+def test_a_folder_without_a_description_is_refused(tmp_path):
+    with pytest.raises(ValueError, match=r"it has no modelDescription\.xml"):
+        read(tmp_path)
+    (tmp_path / "modelDescription.xml").write_bytes(xml())
+    assert [v.name for v in read(tmp_path).variables] == ["typed", "own", "plain", "mode", "strange"]
+
+
+def test_every_type_of_the_standard_is_read():
+    types = ["Real", "Integer", "Boolean", "String", "Enumeration"]
+    lines = "".join(f'<ScalarVariable name="{t}" valueReference="0"><Annotations/><{t} start="1"/></ScalarVariable>'
+                    for t in types)
+    found = usable(xml("", lines, "")).variables
+    assert [v.type for v in found] == types and all(v.start == "1" for v in found)
 
 
 def test_entities_are_not_expanded():
