@@ -80,6 +80,13 @@ def test_another_guid_is_refused(plant):
                                                     f"{plant.description.guid}")]
 
 
+def test_a_message_is_no_format(plant):
+    """There are importers that print it as one."""
+    with pytest.raises(Exception, match=r"[Ii]nstantiate"):
+        plant.another("stranger", guid="{100 %s #r1#}")
+    assert "the GUID {100 ?s ?r1?} is not that of" in plant.said[0][2]
+
+
 def test_calls_out_of_order_are_refused(plant):
     plant.refuses(ERROR, "can step only between initialisation and termination", plant.slave.doStep, 0.0, 0.01)
     plant.refuses(ERROR, "initialisation cannot end", plant.slave.exitInitializationMode)
@@ -243,6 +250,20 @@ def test_instances_do_not_share_anything(plant):
     plant.slave.fmi2FreeInstance(component)
 
 
+def test_an_instance_that_was_freed_is_none_while_its_memory_is_not_used_again(plant):
+    of_the_plant, plant.callbacks = plant.callbacks, fmi2CallbackFunctions()
+    plant.callbacks.logger = fmi2CallbackLoggerTYPE(plant.log)
+    plant.callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(fmpy.calloc)
+    plant.callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(lambda _: None)
+    other = plant.another("other")
+    component, other.component = other.component, None
+    plant.slave.fmi2FreeInstance(component)
+    for call in ("fmi2Reset", "fmi2EnterInitializationMode"):
+        assert plant.slave.dll[call](ctypes.c_void_p(component)) == ERROR
+    plant.slave.fmi2FreeInstance(component)
+    del of_the_plant
+
+
 def test_refusals_are_told_without_debug_logging_too(native_fmus):
     """FMI 2.0 section 2.1.3: with fmi2Discard and fmi2Error the logger has been called in any case."""
     with Talking(native_fmus["AhvPlant"], logging=False) as quiet:
@@ -256,7 +277,10 @@ def test_log_categories_are_heeded(plant):
     assert plant.said == []
     plant.refuses(DISCARD, "mass = nan", plant.set, mass=math.nan)
     plant.refuses(DISCARD, "mass = nan", plant.set, mass=math.nan)
-    plant.slave.setDebugLogging(True, ["logAll"])
+    for on, categories in ((False, ["logStatusDiscard"]), (True, []), (True, ["logAll"])):
+        plant.slave.setDebugLogging(True, ["logStatusDiscard"])
+        plant.slave.setDebugLogging(on, categories)
+        plant.refuses(ERROR, "V is an output", plant.set, V=1.0)
     plant.refuses(ERROR, "AhvPlant has no log category nonsense", plant.slave.setDebugLogging, True, ["nonsense"])
 
 
