@@ -1,8 +1,8 @@
 """Exact steps of small linear systems: the matrix exponential, on any mathematics backend."""
 from operator import mul
 
-HALVINGS = 14  # at most: enough for a norm of 16384
-TERMS = 18  # truncated at 1/19!, where the norm is 1
+SQUARINGS = 14
+TERMS = 18  # truncated at 1/19!, where the scaled norm is 1
 
 
 def product(a, b):
@@ -11,30 +11,26 @@ def product(a, b):
     return [[sum(map(mul, row, column)) for column in columns] for row in a]
 
 
-def exponential(m, a):
+def plus(a, number):
+    """a + number I of a square matrix (a list of rows)."""
+    return [[entry + number if i == j else entry for j, entry in enumerate(row)] for i, row in enumerate(a)]
+
+
+def exponential(a):
     """exp(a) of a small square matrix (a list of rows) by scaling, Taylor series and squaring.
 
-    Right to 1e-12 of its largest entry, or of 1 where all are smaller, for a 1-norm of `a` up to 2^HALVINGS. The
-    number of operations is fixed, so that it can be traced, but only as many squarings are taken as the norm needs,
-    since each doubles the rounding.
+    Right to 1e-12 of its largest entry, or of 1 where all are smaller, for a 1-norm of `a` up to 2^SQUARINGS. The
+    number of operations is fixed, so that it can be traced. What is squared is d = exp(...) - I, by
+    (I + d)^2 - I = d (d + 2 I): in I + d a small d would be rounded, and each squaring would double that.
     """
-    n = len(a)
-    norm, scale, halved = 0.0, 1.0, []
-    for column in zip(*a):
-        norm = m.fmax(norm, sum(m.fabs(entry) for entry in column))
-    for _ in range(HALVINGS):
-        large = norm * scale > 1.0
-        scale = m.where(large, 0.5 * scale, scale)
-        halved.append(large)
-    scaled = [[entry * scale for entry in row] for row in a]
-    result = [[1.0 if i == j else 0.0 for j in range(n)] for i in range(n)]
-    for k in range(TERMS, 0, -1):  # Horner: I + A/1 (I + A/2 (I + ...))
-        result = [[entry / k + (1.0 if i == j else 0.0) for j, entry in enumerate(row)]
-                  for i, row in enumerate(product(scaled, result))]
-    for large in halved:
-        squared = product(result, result)
-        result = [[m.where(large, new, old) for new, old in zip(*rows)] for rows in zip(squared, result)]
-    return result
+    scaled = [[entry / 2**SQUARINGS for entry in row] for row in a]
+    series = plus([[0.0] * len(a) for _ in a], 1.0)
+    for k in range(TERMS, 1, -1):  # Horner: I + A/2 (I + A/3 (I + ...))
+        series = plus([[entry / k for entry in row] for row in product(scaled, series)], 1.0)
+    d = product(scaled, series)
+    for _ in range(SQUARINGS):
+        d = product(d, plus(d, 2.0))
+    return plus(d, 1.0)
 
 
 def apply(matrix, vector):

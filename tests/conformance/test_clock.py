@@ -75,6 +75,31 @@ def test_the_stop_time_may_be_reached_with_the_rounding_of_summed_steps_and_no_m
     begun(clock, start=1.0, stop=1.0)
 
 
+def test_outputs_that_were_read_before_the_start_time_was_known_are_those_of_the_start_time_after(clock):
+    clock.slave.setFMUState(clock.fresh)
+    assert clock.get("now") == [0.0]
+    clock.slave.setupExperiment(startTime=3.0)
+    assert clock.get("now") == [3.0]
+    clock.set(hidden_start=2.0)
+    clock.slave.enterInitializationMode()
+    clock.slave.exitInitializationMode()
+    assert clock.get("now") == [3.0]
+
+
+def test_a_parameter_may_be_at_either_limit(clock):
+    for longest in (1e-6, 1.0):
+        begun(clock, internal_step=longest)
+        assert clock.get("internal_step") == [longest]
+
+
+def test_an_experiment_that_is_not_set_up_begins_at_0_and_has_no_end(clock):
+    clock.slave.setFMUState(clock.fresh)
+    clock.slave.enterInitializationMode()
+    clock.slave.exitInitializationMode()
+    assert clock.get("now") == [0.0]
+    clock.slave.doStep(1e6, 0.1)
+
+
 @pytest.mark.parametrize("hidden, growth", [(1e308, 10.0), (-1e308, 10.0), (1e308, -10.0)])
 def test_a_hidden_state_that_is_no_number_is_no_state(clock, hidden, growth):
     begun(clock, hidden_start=hidden, growth=growth)

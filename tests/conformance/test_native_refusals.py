@@ -1,4 +1,5 @@
 """What a native FMU accepts, what it refuses, and what it says: the contract of its interface."""
+import contextlib
 import ctypes
 import math
 
@@ -16,7 +17,7 @@ from fmpy.fmi2 import (
 )
 from native_loop import Loaded
 
-DISCARD, ERROR = 2, 3
+OK, DISCARD, ERROR = 0, 2, 3
 
 
 class Talking(Loaded):
@@ -60,6 +61,18 @@ class Talking(Loaded):
         return bytes(blob)
 
 
+@contextlib.contextmanager
+def keeping_memory(member):
+    """Instances made meanwhile never give memory back."""
+    kept, member.callbacks = member.callbacks, fmi2CallbackFunctions()
+    member.callbacks.logger = fmi2CallbackLoggerTYPE(member.log)
+    member.callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(fmpy.calloc)
+    member.callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(lambda _: None)
+    member.of_those = member.callbacks  # what is called back has to live on
+    yield
+    member.callbacks = kept
+
+
 @pytest.fixture
 def plant(native_fmus):
     with Talking(native_fmus["AhvPlant"]) as member:
@@ -78,6 +91,13 @@ def test_another_guid_is_refused(plant):
         plant.another("stranger", guid="{wrong}")
     assert plant.said == [(ERROR, "logStatusError", f"the GUID {{wrong}} is not that of this AhvPlant, "
                                                     f"{plant.description.guid}")]
+
+
+def test_a_message_is_no_format(plant):
+    """There are importers that print it as one."""
+    with pytest.raises(Exception, match=r"[Ii]nstantiate"):
+        plant.another("stranger", guid="{100 %s #r1#}")
+    assert "the GUID {100 ?s ?r1?} is not that of" in plant.said[0][2]
 
 
 def test_calls_out_of_order_are_refused(plant):
@@ -229,6 +249,56 @@ def test_foreign_states_are_refused(flying, native_fmus):
     assert flying.serialised() == blob
 
 
+def test_a_state_is_kept_in_the_place_that_is_given_if_that_is_one_of_ours(flying):
+    dll, component, size = flying.slave.dll, ctypes.c_void_p(flying.slave.component), ctypes.c_size_t()
+    place = ctypes.c_void_p()
+    assert dll.fmi2GetFMUstate(component, ctypes.byref(place)) == OK
+    first = place.value
+    flying.fly()
+    later = flying.get("h", "theta")
+    assert dll.fmi2GetFMUstate(component, ctypes.byref(place)) == OK and place.value == first
+    dll.fmi2SerializedFMUstateSize(component, place, ctypes.byref(size))
+    buffer = (ctypes.c_char * (size.value + 8))()
+    assert dll.fmi2SerializeFMUstate(component, place, buffer, ctypes.c_size_t(size.value + 8)) == OK
+    flying.slave.reset()
+    assert dll.fmi2SetFMUstate(component, place) == OK and flying.get("h", "theta") == later
+    assert dll.fmi2DeSerializeFMUstate(component, buffer, size, ctypes.byref(place)) == OK and place.value == first
+    zeros = ctypes.create_string_buffer(4096)
+    stranger = ctypes.cast(zeros, ctypes.c_void_p)
+    assert dll.fmi2GetFMUstate(component, ctypes.byref(stranger)) == ERROR
+    assert dll.fmi2DeSerializeFMUstate(component, buffer, size, ctypes.byref(stranger)) == ERROR
+    assert zeros.raw == bytes(4096)
+    assert dll.fmi2FreeFMUstate(component, ctypes.byref(place)) == OK and place.value is None
+
+
+def test_a_state_that_was_freed_is_none_while_its_memory_is_not_used_again(plant):
+    with keeping_memory(plant):
+        other = plant.another("other")
+    component, place = ctypes.c_void_p(other.component), ctypes.c_void_p()
+    assert plant.slave.dll.fmi2GetFMUstate(component, ctypes.byref(place)) == OK
+    freed = ctypes.c_void_p(place.value)
+    assert plant.slave.dll.fmi2FreeFMUstate(component, ctypes.byref(place)) == OK
+    assert plant.slave.dll.fmi2SetFMUstate(component, freed) == ERROR
+    other.component = None
+    plant.slave.fmi2FreeInstance(component)
+
+
+def test_the_status_of_the_last_step_can_be_asked(flying):
+    status = ctypes.c_int(7)
+    for step, expected in ((0.01, OK), (-1.0, DISCARD), (0.01, OK)):
+        with contextlib.suppress(FMICallException):
+            flying.slave.doStep(0.0, step)
+        assert flying.slave.dll.fmi2GetStatus(ctypes.c_void_p(flying.slave.component), 0, ctypes.byref(status)) == OK
+        assert status.value == expected
+
+
+def test_a_known_that_is_given_twice_counts_twice(flying):
+    unknown, known = flying.references(["thrust"]), flying.references(["fuel_ratio"])
+    once, = flying.slave.getDirectionalDerivative(unknown, known, [1.0])
+    twice, = flying.slave.getDirectionalDerivative(unknown, known * 2, [1.0, 2.0])
+    assert once and twice == pytest.approx(3 * once)
+
+
 def test_instances_do_not_share_anything(plant):
     other = plant.another("other")
     for slave, elevator in ((plant.slave, 0.1), (other, 0.3)):
@@ -240,6 +310,16 @@ def test_instances_do_not_share_anything(plant):
     a, b = (slave.getReal(plant.references(["elevator", "Q"])) for slave in (plant.slave, other))
     assert a[0] == 0.1 and b[0] == 0.3 and a[1] != b[1]
     component, other.component = other.component, None
+    plant.slave.fmi2FreeInstance(component)
+
+
+def test_an_instance_that_was_freed_is_none_while_its_memory_is_not_used_again(plant):
+    with keeping_memory(plant):
+        other = plant.another("other")
+    component, other.component = other.component, None
+    plant.slave.fmi2FreeInstance(component)
+    for call in ("fmi2Reset", "fmi2EnterInitializationMode"):
+        assert plant.slave.dll[call](ctypes.c_void_p(component)) == ERROR
     plant.slave.fmi2FreeInstance(component)
 
 
@@ -256,7 +336,10 @@ def test_log_categories_are_heeded(plant):
     assert plant.said == []
     plant.refuses(DISCARD, "mass = nan", plant.set, mass=math.nan)
     plant.refuses(DISCARD, "mass = nan", plant.set, mass=math.nan)
-    plant.slave.setDebugLogging(True, ["logAll"])
+    for on, categories in ((False, ["logStatusDiscard"]), (True, []), (True, ["logAll"])):
+        plant.slave.setDebugLogging(True, ["logStatusDiscard"])
+        plant.slave.setDebugLogging(on, categories)
+        plant.refuses(ERROR, "V is an output", plant.set, V=1.0)
     plant.refuses(ERROR, "AhvPlant has no log category nonsense", plant.slave.setDebugLogging, True, ["nonsense"])
 
 

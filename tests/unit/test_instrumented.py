@@ -68,6 +68,18 @@ def test_an_actuator_uses_its_own_command_bandwidth_limit_and_delay(name):
     assert used(**{f"{name}_delay": 10 * H}) == began
 
 
+def test_the_vehicle_moves_by_what_acts():
+    """On average over the step, where an actuator lags or is limited; each by its own."""
+    u, p = starts(model, "input"), starts(model, "parameter", fuel_ratio_bandwidth=20.0, elevator_rate_limit=2.0)
+    x = model.start(floats, u, p)
+    fuel, elevator = u.fuel_ratio, u.elevator
+    u.fuel_ratio, u.elevator = fuel + 0.1, elevator - 0.1
+    stepped = model.advance(floats, 0.0, H, x, u, p, [])
+    u.fuel_ratio, u.elevator = fuel + 0.05 * (1 - math.exp(-20 * H)), elevator - H
+    expected = plant.advance(floats, 0.0, H, x[:model.VEHICLE], u, p, [])
+    assert stepped[:model.VEHICLE] == pytest.approx(expected, rel=1e-13)
+
+
 @pytest.mark.parametrize("name", ["fuel_ratio", "elevator"])
 def test_a_command_passes_its_delay_on_the_tick(name):
     began = getattr(starts(model, "input"), name)

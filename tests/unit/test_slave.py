@@ -17,8 +17,8 @@ ROWS = [
     ("u", "input", "1", 2.0, None, None, 1.0, "slope"),
     ("on", "input", "", False, None, None, None, "adds 100"),
     ("y", "output", "1", None, -50.0, 1000.0, 1.0, "integral of u, plus 100 if on"),
-    ("now", "output", "s", None, None, None, 1.0, "time"),
-    ("began", "calculatedParameter", "rad", None, None, None, 1.0, "where it started"),
+    ("now", "output", "s", None, None, 2e9, 1.0, "time"),
+    ("began", "calculatedParameter", "rad", None, -5.0, None, 1.0, "where it started"),
     ("high", "output", "", None, None, None, None, "whether y > 2"),
     ("x_start", "parameter", "1", 1.0, 0.0, 10.0, None, "start of y"),
     ("angle", "parameter", "rad", 0.1, -1.0, 1.0, None, "nothing"),
@@ -112,6 +112,7 @@ def test_the_stop_time_may_be_reached_with_the_rounding_of_summed_steps_and_no_m
     assert slave.time == pytest.approx(1.0)
     endless, _ = started()
     endless.do_step(1e9, 0.1)
+    refused("now = 2e+09 s is above its maximum 2e+09 s", endless.do_step, 2e9, 0.1)
 
 
 @pytest.mark.parametrize("step", [0.0, -0.1, math.nan, math.inf])
@@ -152,6 +153,7 @@ def test_a_step_out_of_the_models_range_leaves_all_as_it_was(u, reason):
 @pytest.mark.parametrize("advance, reason", [
     (lambda *_: [math.inf, 0.0], "y = inf is not a finite number"),
     (lambda *_: [1.0, math.nan], "began = nan is not a finite number"),
+    (lambda *_: [1.0, -6.0], "began = -343.775 deg is below its minimum -286.479 deg at t = 0.1 s"),
     (lambda *_: [1.0, 0.0, math.nan], "an internal state is not a finite number"),
     (lambda *_: [1 / 0], "the state cannot be computed (division by zero)"),
     (lambda *_: [math.log(-1)], "the state cannot be computed"),
