@@ -13,7 +13,7 @@ enum { A11, A12, A21, A22, B1, B2, C1, C2, D, X1, X2, SUBSTEPS, FAULT_TIME, LONG
 enum { FAULT, WHOLE_IN, WHOLE_OUT, ANSWER, WHOLES };
 enum { NONE, DISCARD, ERROR_, FATAL, HANG, CRASH, REFUSE_GET, REFUSE_INIT, HANG_INIT, END, ANSWERS, REFUSE_TEXT, NO_TEXT,
        CRASH_TERMINATE, CRASH_FREE, HANG_TERMINATE, FATAL_TERMINATE, NOT_A_NUMBER, LEAVE, FATAL_INIT, SLOW_INIT,
-       REFUSE_FREE };
+       REFUSE_FREE, REFUSE_SET };
 
 typedef struct {
     fmi2Real r[REALS], slope, time;
@@ -141,6 +141,8 @@ fmi2Status fmi2Reset(fmi2Component c)
     fmi2Status fmi2Set##Type(fmi2Component c, const fmi2ValueReference vr[], size_t n, const type value[])             \
     {                                                                                                                  \
         Instance *m = alive(c);                                                                                        \
+        if (m->s.i[FAULT] == REFUSE_SET && m->s.stepping && m->s.time >= m->s.r[FAULT_TIME])                           \
+            return say(m, fmi2Fatal, "told to take nothing");                                                          \
         for (size_t k = 0; k < n; k++) {                                                                               \
             if (vr[k] >= count)                                                                                        \
                 return say(m, fmi2Error, "no such variable");                                                          \

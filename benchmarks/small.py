@@ -14,7 +14,8 @@ REALS = ("a11", "a12", "a21", "a22", "b1", "b2", "c1", "c2", "d", "x1", "x2", "s
 STARTS = {"a12": 1.0, "a21": -1.0, "b2": 1.0, "c1": 1.0, "substeps": 1.0, "fault_time": 1e9, "longest": 1e9}
 FAULTS = ("none", "discard", "error", "fatal", "hang", "crash", "refuse_get", "refuse_init", "hang_init", "end",
           "answers", "refuse_text", "no_text", "crash_terminate", "crash_free", "hang_terminate", "fatal_terminate",
-          "not_a_number", "leave", "fatal_init", "slow_init", "refuse_free")
+          "not_a_number", "leave", "fatal_init", "slow_init", "refuse_free",
+          "refuse_set")
 START = ' start="{}"'
 TRUE = ' {}="true"'
 OTHERS = ("fault", "whole_in", "whole_out", "truth_in", "truth_out", "text_in", "text_out", "answer")

@@ -165,6 +165,13 @@ def test_a_variable_step_is_at_most_a_hundred_times_the_first(build):
     assert taken.max() == pytest.approx(0.1)
 
 
+def test_the_last_of_the_variable_steps_is_no_sliver(build):
+    system = small.pair(build())
+    for stop in np.linspace(1.0, 2.0, 21).round(2):
+        taken = np.diff(fly(system, 0.01, stop, "variable,tolerance=1e-3").time)
+        assert taken[-1] > 0.3 * taken[-2]
+
+
 def test_a_signal_that_is_no_number_ends_a_variable_run(build):
     fault = small.FAULTS.index("not_a_number")
     flight = fly(small.pair(build(), fault=fault, fault_time=1.0), 0.01, STOP, "variable,tolerance=1e-3")

@@ -182,12 +182,15 @@ def test_nothing_is_called_after_fatal(fmu, algorithm, plain):
 
 
 @pytest.mark.parametrize("plain", [False, True])
-def test_nothing_is_called_after_fatal_to_the_freeing_of_a_state(fmu, plain):
-    system = faulty(fmu, "refuse_free")
+@pytest.mark.parametrize("fault,algorithm,words", [("refuse_free", "variable", "told not to free"),
+                                                   ("refuse_set", "jacobi,hold=linear", "told to take nothing")])
+def test_nothing_is_called_after_fatal_within_a_row_of_the_program(tmp_path, fault, algorithm, words, plain):
+    """Such as fmi2GetFMUstate after fmi2FreeFMUstate, or fmi2SetRealInputDerivatives after fmi2SetReal."""
+    system = faulty(small.build(tmp_path, interpolates=True), fault)
     with open_files(system) as files:
         master = Master(system, files, plain=plain)
         instances = list(master.instances)
-        assert fly_loaded(master, method("variable"), 0.01, 100).message.endswith(": told not to free")
+        assert fly_loaded(master, method(algorithm), 0.01, 100).message.endswith(f": {words}")
         master.close()
     assert [calls_after_fatal(i) for i in instances] == [0, 0]
 
@@ -364,6 +367,18 @@ def test_a_call_is_known_as_long_as_it_lasts(fmu, monkeypatch):
         instance.close()
         assert place.stage[0] == last_call.OUTSIDE
         assert place.read(last_call.NOTE) == "a (small_indirect.fmu): fmi2FreeInstance"
+
+
+def test_both_loops_count_their_calls_alike(fmu):
+    counts = []
+    for plain in (False, True):
+        system = small.pair(fmu)
+        with open_files(system) as files:
+            master = Master(system, files, plain=plain)
+            fly_loaded(master, method("jacobi"), 0.01, 100)
+            counts.append(int(master.cursor[program.CALLS]))
+            master.close()
+    assert counts[0] == counts[1] > 2 * 100 * 3  # set, step and get of both
 
 
 def test_the_logger_takes_what_fmus_hand_it():
