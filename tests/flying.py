@@ -10,7 +10,7 @@ from cosim.master.instance import Instance
 def running(path: Path, **values):
     """An initialised instance of the FMU at `path`, with parameters and inputs set before."""
     file = FmuFile.open(path)
-    instance = Instance(file, file.description.modelName)
+    instance = Instance(file, file.description.attributes["modelName"])
     try:
         instance.set({name: file.checked(name, value, "fmu") for name, value in values.items()})
         instance.setup(0.0, 1000.0)

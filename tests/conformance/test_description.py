@@ -37,7 +37,10 @@ def test_author_copyright_and_licence_travel_with_the_fmu(fmus, name):
 
 def test_an_fmu_names_what_made_it_with_versions(native_fmus, python_fmus):
     made_by = {"native": native_fmus, "python": python_fmus}
-    tools = {flavour: FmuFile.open(fmus["AhvPlant"]).description.generationTool for flavour, fmus in made_by.items()}
+    tools = {}
+    for flavour, fmus in made_by.items():
+        with FmuFile.open(fmus["AhvPlant"]) as file:
+            tools[flavour] = file.description.attributes["generationTool"]
     assert tools == {"native": f"ahv {version('ahv')}, casadi {version('casadi')}, ziglang {version('ziglang')}",
                      "python": f"ahv {version('ahv')}, casadi {version('casadi')}, pythonfmu {version('pythonfmu')}"}
 

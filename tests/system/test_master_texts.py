@@ -32,4 +32,4 @@ def test_what_changes_after_the_start_arrives(build, plain, apart):
             instance.set({f"{kind}_in": values[k] for kind, values in kinds.items()})
         master.run(tick, 0, 2, 0.0, 0.1)
         for receiver, k in ((d, 0), (c, 1)):
-            assert receiver.get_any([f"{kind}_out" for kind in kinds]) == [values[k] for values in kinds.values()]
+            assert receiver.get([f"{kind}_out" for kind in kinds]) == [values[k] for values in kinds.values()]
