@@ -26,6 +26,7 @@ from .subject import Fault, Fmu
 POLL_S = 0.05
 MOST_LIMITS = 4  # a probe whose calls all return is given up after this many time limits
 FATAL_RULES = {"dynamic.load": "the FMU cannot be loaded", "dynamic.hang": "the FMU hangs"}
+ONCE = ("dynamic.fatal", "dynamic.log-refusal")  # an FMU that does so does so for any call
 FLAGS = ("canHandleVariableCommunicationStepSize", "canInterpolateInputs", "canRunAsynchronuously",
          "needsExecutionTool", "canBeInstantiatedOnlyOncePerProcess", "canGetAndSetFMUstate", "canSerializeFMUstate",
          "providesDirectionalDerivative")
@@ -37,7 +38,13 @@ def run(fmu: Fmu, report: Report, work: Path, time_limit: float, cycles: int) ->
     if library is None:
         report.skip("everything dynamic", f"no binary for this platform (binaries/{host_platform()})")
         return
-    job = make_job(fmu, library, time_limit, cycles)
+    run_probes(make_job(fmu, library, time_limit, cycles), report, work, time_limit)
+    for rule in ONCE:
+        report.merge(rule)
+
+
+def run_probes(job: Job, report: Report, work: Path, time_limit: float) -> None:
+    """Run the job's probes, in a new child process where one has ended."""
     while job.probes:
         done = run_child(job, report, work, time_limit)
         if done == 0:

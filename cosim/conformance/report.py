@@ -1,6 +1,6 @@
 """What a check hands back: findings, what was not tested, and two ways to show them (a table, a JSON-able dict)."""
 from collections import Counter
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -42,6 +42,13 @@ class Report:
         """Note a breach of `rule`; a probe may state a milder `severity` than the rule's own."""
         known = RULES[rule]
         self.findings.append(Finding(rule, known.section, severity or known.severity, *map(printable, fault)))
+
+    def merge(self, rule: str) -> None:
+        """Make one finding of all findings of `rule`: the first, and how many more there are."""
+        same = [f for f in self.findings if f.rule == rule]
+        if len(same) > 1:
+            merged = replace(same[0], found=f"{same[0].found}; and {len(same) - 1} more such calls")
+            self.findings = [f for f in self.findings if f.rule != rule] + [merged]
 
     def skip(self, what: str, why: str) -> None:
         """Note that `what` was not tested."""

@@ -63,11 +63,15 @@ DEFECTS = tuple(
         ("call-order", "ORDER", "calls in the wrong mode are done"),
         ("zero-step", "ZERO_STEP", "a step of zero is done"),
         ("bad-step", "BAD_STEP", "a negative step is done"),
+        ("bad-time", "BAD_TIME", "a step from a time of NaN is done"),
+        ("fatal", "FATAL_REFUSAL", "a negative step is fatal"),
+        ("log-refusal", "SILENT_REFUSAL", "a negative step is refused without a message"),
         ("unknown-reference", "UNKNOWN_REFERENCE", "unknown value references are ignored"),
         ("forbidden-write", "FORBIDDEN_WRITE", "everything can be set at any time"),
         ("nonfinite-input", "NAN_SILENT", "NaN goes in and out silently"),
         ("nonfinite-reset", "NAN_STICKS", "a NaN leaves a trace beyond fmi2Reset"),
         ("stop-time", "PAST_STOP", "a step beyond the stop time is done"),
+        ("stop-time", "STOP_DISCARDS", "a step beyond the stop time is discarded"),
         ("stop-early", "STOP_EARLY", "the step to the stop time is refused"),
     )
 )

@@ -369,11 +369,18 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real h, fmi2Boolean no
     ALLOW(STEPPING);
     if (h < 0.0 || isnan(h)) {
         if (BUG(CRASH_ON_BAD_STEP)) abort();
-        return BUG(BAD_STEP) ? fmi2OK : refuse(f, "the step must be above 0");
+        if (BUG(SILENT_REFUSAL)) return fmi2Error;
+        if (BUG(BAD_STEP)) return fmi2OK;
+        refuse(f, "the step must be above 0");
+        return BUG(FATAL_REFUSAL) ? fmi2Fatal : fmi2Error;
     }
+    if (isnan(time) && !BUG(BAD_TIME)) return refuse(f, "the time must be a number");
     if (h == 0.0) return BUG(ZERO_STEP) ? fmi2OK : refuse(f, "the step must be above 0");
     double stop = BUG(STOP_EARLY) ? f->stop - 0.5 * h : f->stop + 1e-9 * h;
-    if (f->stop_defined && !BUG(PAST_STOP) && time + h > stop) return refuse(f, "beyond the stop time");
+    if (f->stop_defined && !BUG(PAST_STOP) && time + h > stop) {
+        refuse(f, "beyond the stop time");
+        return BUG(STOP_DISCARDS) ? fmi2Discard : fmi2Error;
+    }
     if (BUG(FIXED_STEP) && fabs(h - 0.01) > 1e-9) return refuse(f, "only steps of 0.01");
     if (BUG(STEP_CRASHES) && f->d.i[COUNT] == 3) abort();
     if (BUG(SLOW)) usleep(5000);
