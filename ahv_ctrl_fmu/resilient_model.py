@@ -7,24 +7,25 @@ DESCRIPTION = "Control law that keeps the vehicle while its coefficients err by 
 
 NO_FILTER = {f"section_{k}_{name}": 0.0 for k in "abcd" for name in ("zero", "zero_damping", "pole", "pole_damping")}
 
-# The quiet form: deaf to noise, and as accurate over independent draws as the lean one.
+# The quiet form: deaf to noise, sturdy against slow actuators, and the most accurate over independent draws.
 QUIET = {
-    "k_gamma": 0.456, "k_path": 0.797, "k_alpha": 3.01, "k_Q": 8.58, "k_V": 5.5,
-    "observer_V": 6.57, "observer_gamma": 21.2, "observer_Q": 33.3,
-    "filter_h": 2.94, "filter_gamma": 4.33, "filter_lift": 5.46, "filter_moment": 14.3, "measured_rates": False,
-    "lift_lead": 0.148, "moment_gain": 11.3, "moment_floor": 0.05, "moment_washout": 3.78, "hold_rate": 0.928,
-    "alpha_margin": 0.634 * DEG, "k_barrier": 1.31, "barrier_margin": 0.13 * DEG,
-    "V_recovery": 2.03, "elevator_band": 2.52 * DEG, "servo_rate": 61.0, "servo_speed": 60 * DEG,
+    "k_gamma": 0.402, "k_path": 0.786, "k_alpha": 2.61, "k_Q": 7.93, "k_V": 5.13,
+    "observer_V": 5.52, "observer_gamma": 23.0, "observer_Q": 40.9,
+    "filter_h": 2.79, "filter_gamma": 3.13, "filter_lift": 10.0, "filter_moment": 11.3, "measured_rates": False,
+    "lift_lead": 0.229, "moment_gain": 9.83, "moment_floor": 0.0422, "moment_washout": 3.1, "hold_rate": 1.43,
+    "alpha_margin": 0.726 * DEG, "k_barrier": 1.3, "barrier_margin": 0.156 * DEG,
+    "V_recovery": 1.4, "elevator_band": 1.74 * DEG, "servo_rate": 21.6, "servo_speed": 60 * DEG,
     **NO_FILTER,
 }
 # Without the quiet form's filters; twice the observer's rate makes the slow flight-path angle the observer's own.
 LEAN = {
-    **QUIET,
-    "k_gamma": 0.6, "k_path": 0.87, "k_alpha": 1.9, "k_Q": 7.4,
+    "k_gamma": 0.6, "k_path": 0.87, "k_alpha": 1.9, "k_Q": 7.4, "k_V": 5.5,
     "observer_V": 7.2, "observer_gamma": 27.0, "observer_Q": 31.0,
     "filter_h": 0.0, "filter_gamma": 2 * 27.0, "filter_lift": 0.0, "filter_moment": 0.0, "measured_rates": True,
-    "lift_lead": 0.16, "moment_gain": 17.0, "moment_washout": 3.7, "hold_rate": 0.92,
-    "alpha_margin": 1.15 * DEG, "k_barrier": 1.5, "V_recovery": 2.7, "elevator_band": 5 * DEG,
+    "lift_lead": 0.16, "moment_gain": 17.0, "moment_floor": 0.05, "moment_washout": 3.7, "hold_rate": 0.92,
+    "alpha_margin": 1.15 * DEG, "k_barrier": 1.5, "barrier_margin": 0.13 * DEG,
+    "V_recovery": 2.7, "elevator_band": 5 * DEG, "servo_rate": 61.0, "servo_speed": 60 * DEG,
+    **NO_FILTER,
 }
 # The lean form for a structure that pushes back, either way: the moment demand is filtered about the modes.
 COUPLED = {
