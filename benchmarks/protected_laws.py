@@ -42,12 +42,22 @@ ROWS = [
 OBSERVERS = 4 + r.FILTER + len(r.State._fields) - 3                     # numbers of its state
 NUMBERS = 4 + 4 * r.COEFFICIENTS + 6 + len(r.Numbers._fields) - 5       # that depend on the step only
 
-
 BEYOND = 1.5  # rad: an elevator without a stop
 
-
-# `ahv tune NAME=FILE.fmu --preset start`, with FILE.fmu as this script builds it.
-TUNED = {"ProtectedNeural": {}, "ProtectedBackstepping": {}}
+# `ahv tune NAME=FILE.fmu --preset start --evaluations 120`, with FILE.fmu as this script builds it.
+TUNED = {
+    "ProtectedNeural": {"tuned": {
+        "kV1": 14.78, "kV2": 42.08, "k_gamma": 0.2011, "kh": 0.1145, "kh1": 14.05, "mu": 2.425, "c_theta": 0.001963,
+        "c_Q": 0.002983, "pitch_rate_gain": 0.4052, "R": 74.07, "R_d": 3.73, "a2": 18.65, "a3": 5.865, "a4": 5.504,
+        "lambda_1": 25.19, "lambda_2": 542.2, "protect_k_Q": 12.48, "protect_k_barrier": 0.9037,
+        "protect_margin": 0.002249,
+    }},
+    "ProtectedBackstepping": {"tuned": {
+        "kV1": 0.8174, "kV2": 7.718, "observer_V": 0.6361, "k_gamma": 2.311, "k_path": 0.618, "k_theta": 0.3835,
+        "k_Q": 10.05, "observer_gamma": 0.3428, "observer_Q": 0.7766, "R_gamma": 0.2196, "R_theta": 10.21,
+        "R_Q": 135.1, "protect_k_Q": 6.407, "protect_k_barrier": 1.031, "protect_margin": 0.005159,
+    }},
+}
 
 
 def observing(p):

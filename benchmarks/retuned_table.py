@@ -43,11 +43,13 @@ RETUNED = {
     "neural_retuned_no_network": law("neural", "independent", lambda_1=0, lambda_2=0),
     "neural_protected": law("ProtectedNeural", "start"),
     "neural_retuned_protected": law("ProtectedNeural", "independent"),
+    "neural_tuned_together": law("ProtectedNeural", "tuned"),
     "neural_retuned_thrust_only": law("ProtectedNeural", "independent", **NO_LIMIT),
     "rival": law("backstepping", "calibrated"),
     "rival_retuned": law("backstepping", "independent"),
     "rival_protected": law("ProtectedBackstepping", "start"),
     "rival_retuned_protected": law("ProtectedBackstepping", "independent"),
+    "rival_tuned_together": law("ProtectedBackstepping", "tuned"),
     "rival_retuned_thrust_only": law("ProtectedBackstepping", "independent", **NO_LIMIT),
     "resilient": law("resilient", "quiet"),
 }
