@@ -241,7 +241,7 @@ def fly_loaded(master: Master, chosen: Method, step: float, ticks: int, progress
     flight.wall_s = time.perf_counter() - began
     flight.time, flight.signals = recorder.finish()
     flight.finished, flight.ticks = not flight.message or flight.ended_at is not None, running.ticks
-    flight.reached = running.time
+    flight.reached = running.time if flight.ended_at is None else flight.ended_at
     flight.lateness = pace.report() if pace else None
     return flight
 

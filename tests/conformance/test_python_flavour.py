@@ -5,7 +5,7 @@ from shutil import copyfile, copytree
 
 import numpy as np
 import pytest
-from flying import running, step
+from flying import look_on, running, step
 from fmpy.validation import validate_fmu
 from places import ROOT
 
@@ -42,8 +42,8 @@ def test_every_number_has_a_unit_and_angles_show_degrees_but_frequencies_do_not(
             if v.type == "Real":
                 assert v.unit, v.name
                 frequency = v.name.endswith(("omega", "omega_1", "omega_2", "bandwidth", "_zero", "_pole"))
-                shown = v.unit.replace("rad", "deg") if v.unit.startswith("rad") and not frequency else None
-                assert v.displayUnit == shown, v.name
+                shown = v.unit.replace("rad", "deg") if v.unit.startswith("rad") and not frequency else ""
+                assert v.display_unit == shown, v.name
 
 
 def test_state_can_be_saved_serialised_and_replayed_to_the_last_bit(fmu):
@@ -101,8 +101,10 @@ def test_an_input_that_is_no_number_never_reaches_a_state(python_fmus, bad):
         before = outputs(plant)
         with pytest.raises(RunError, match=r"elevator = (nan|-?inf) is not a finite number and was refused"):
             plant.set({"elevator": bad})
+        look_on(plant)
         with pytest.raises(RunError, match=r"elevator = (nan|-?inf) is not a finite number at t = 0\.01 s"):
             step(plant, 0.01, 0.01)
+        look_on(plant)
         assert outputs(plant) == before
         plant.set({"elevator": 0.2})
         step(plant, 0.01, 0.01)
@@ -115,6 +117,7 @@ def test_a_vehicle_that_leaves_the_models_range_is_reported_and_stays_where_it_w
             for k in range(1000):
                 last = outputs(plant)
                 step(plant, k * 0.01, 0.01)
+        look_on(plant)
         assert outputs(plant) == last
 
 

@@ -1,12 +1,11 @@
 """The scripts that draw and print the resilient law's page: run small, their figures held against single flights."""
+import draw_law
+import law_table
 import matplotlib.image
 import numpy as np
 import pytest
 from evidence import fly, summary
 from law_studies import PARTS, independent
-
-import draw_law
-import law_table
 
 
 @pytest.fixture
