@@ -1,0 +1,193 @@
+"""Do the tests notice a mistake? A sample of single-point mutants, each tried by its room's tests: `make mutants`.
+
+    .venv/bin/python tests/mutants [--sample 400] [--seed 1] [--room NAME]... [--workers 1] [--retry] [--table]
+
+Why a driver of our own: mutmut 3 rewrites functions into trampolines, which no traced model and no source file inside
+an FMU stands, and leaves tables of numbers alone; cosmic-ray has one test command for all. Neither knows C, a mutant
+that needs an FMU built again, nor tests that differ between rooms.
+
+Nothing is changed in the checkout. Each worker has a copy of it, where one file at a time is mutated and put back. A
+trial is a fork of this process, which has the big libraries loaded already, so it costs what the tests cost. What came
+out is a line in results/mutants.jsonl: a run that was stopped goes on where it was, `--retry` tries survivors
+again (after tests were added), and the table in docs/mutants.md has the first verdict beside the last one. judged.yaml
+holds the mutants that change nothing that can be observed, with the reason. A room's share is killed / (tried - judged).
+"""
+import argparse
+import json
+import multiprocessing
+import os
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from contextlib import suppress
+from importlib import import_module
+from importlib.util import find_spec
+from pathlib import Path
+from typing import NoReturn
+
+import yaml
+from points import Mutant, mutants
+from rooms import FMUS, ROOMS, tests
+from table import write_table
+
+ROOT = Path(__file__).parents[2]
+RESULTS = ROOT / "results" / "mutants.jsonl"
+JUDGED = Path(__file__).with_name("judged.yaml")
+LIBRARIES = ("pytest", "casadi", "fmpy.fmi2", "lxml.etree", "pythonfmu", "pyarrow.parquet", "pydantic", "scipy.stats",
+             "scipy.signal", "hypothesis.strategies", "matplotlib.figure", "typer", "rich.console", "numba")
+PYTEST = ["-x", "-q", "--no-header", "--tb=line", "-p", "no:cacheprovider", "-m", "not slow"]
+SECONDS = {"processor": 300, "clock": 900}  # of a stage; what takes longer hangs
+
+
+def judged() -> dict[tuple, str]:
+    """The reason why a mutant changes nothing, by its key."""
+    return {(j["file"], j["function"], j["from"], j["to"]): j["reason"] for j in yaml.safe_load(JUDGED.read_text()) or []}
+
+
+def recorded() -> dict[tuple, list[dict]]:
+    """Trials so far, by the mutant's key, the first one first."""
+    found: dict[tuple, list[dict]] = {}
+    for line in RESULTS.read_text().splitlines() if RESULTS.exists() else []:
+        trial = json.loads(line)
+        found.setdefault(tuple(trial["key"]), []).append(trial)
+    return found
+
+
+def sampled(room: str, size: int, seed: int) -> tuple[list[Mutant], int]:
+    """The room's sample, and how many mutants there are."""
+    listed = subprocess.run(["git", "ls-files", "*.py", "*.c"], cwd=ROOT, capture_output=True, text=True, check=True)
+    every = [mutant for file in listed.stdout.split() if tests(room, file) for mutant in mutants(ROOT, file)]
+    return sorted(every, key=lambda mutant: mutant.drawn(seed))[:size], len(every)
+
+
+class Copy:
+    """A copy of the checkout, with the FMUs that are built, to try mutants in."""
+
+    def __init__(self) -> None:
+        self.root = Path(tempfile.mkdtemp(prefix="mutants."))
+        listed = subprocess.run(["git", "ls-files", "--cached", "--others", "--exclude-standard"], cwd=ROOT, capture_output=True,
+                                text=True, check=True)
+        for name in listed.stdout.splitlines():
+            if (ROOT / name).is_file():
+                (self.root / name).parent.mkdir(parents=True, exist_ok=True)
+                shutil.copy2(ROOT / name, self.root / name)
+        shutil.copytree(ROOT / "fmus" / "dist", self.root / "fmus" / "dist")
+        shutil.copytree(self.root / "fmus" / "dist", self.root / "results" / "dist", ignore=shutil.ignore_patterns(".*"))
+
+    def run(self, room: str, stage: str) -> tuple[bool, str]:
+        """Whether the tests of a stage pass, and if not, what ended it."""
+        pid = os.fork()
+        if not pid:
+            self.child(room, stage)
+        end, status = time.monotonic() + SECONDS["clock"], 0
+        while not (ended := os.waitpid(pid, os.WNOHANG))[0] and time.monotonic() < end:
+            time.sleep(0.05)
+        with suppress(ProcessLookupError):  # what the tests started and left
+            os.killpg(pid, signal.SIGKILL)
+        status = ended[1] if ended[0] else os.waitpid(pid, 0)[1]
+        said = (self.root / "results" / "said.txt").read_text(errors="replace").splitlines()
+        if not ended[0] or status == signal.SIGXCPU:
+            return False, "time"
+        failed = [line.split(" - ")[0].split("/")[-1] for line in said if line.startswith(("FAILED", "ERROR"))]
+        return status == 0, failed[0] if failed else f"status {status}"
+
+    def child(self, room: str, stage: str) -> NoReturn:
+        """In the forked process: pytest in the copy, in a process group of its own."""
+        try:
+            os.setsid()
+            os.chdir(self.root)
+            out = os.open("results/said.txt", os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
+            os.dup2(out, 1)
+            os.dup2(out, 2)
+            resource.setrlimit(resource.RLIMIT_CPU, (SECONDS["processor"], SECONDS["processor"] + 5))
+            os.environ.update(PYTHONPATH=str(self.root), CI="1")
+            sys.path[:] = [str(self.root), *(place for place in sys.path if Path(place or ".") != Path(__file__).parent)]
+            every, files = stage.startswith("all "), [f"tests/{name}.py" for name in stage.removeprefix("all ").split()]
+            if room in FMUS and not every:
+                flavour, registry = import_module("fmus.native_flavour"), import_module("cosim.vehicle.registry")
+                assert str(flavour.__file__).startswith(str(self.root)), "the tests would not try the copy"
+                flavour.PLATFORMS = {"linux64": flavour.PLATFORMS["linux64"]}
+                registry.MODELS = {name: registry.MODELS[name] for name in FMUS[room] or registry.MODELS}
+            os._exit(int(import_module("pytest").main([*PYTEST, *files])))
+        except BaseException as error:
+            print(f"ERROR {error!r}", file=sys.stderr, flush=True)
+            os._exit(99)
+
+    def trial(self, room: str, mutant: Mutant | None, file: str) -> dict:
+        """A mutant's verdict, by what, and after how long; None tries the tests on the file as it is."""
+        target, began = self.root / file, time.monotonic()
+        original, state = target.read_bytes(), target.stat()
+        for built in (self.root / "results" / "dist").glob("*/*"):
+            shutil.copy2(built, self.root / "fmus" / "dist" / built.relative_to(self.root / "results" / "dist"))
+        sys.dont_write_bytecode = mutant is not None  # a file's bytecode is taken for it if time and size agree
+        os.environ["PYTHONDONTWRITEBYTECODE"] = "1" if mutant else ""
+        try:
+            if mutant:
+                target.write_text(mutant.text, encoding="utf-8")
+            for stage in tests(room, file) or []:
+                passed, by = self.run(room, stage)
+                if not passed:
+                    break
+        finally:
+            target.write_bytes(original)
+            os.utime(target, ns=(state.st_atime_ns, state.st_mtime_ns))
+        return {"room": room, "key": mutant.key if mutant else file, "killed": not passed, "by": "" if passed else by,
+                "seconds": round(time.monotonic() - began, 1)}
+
+
+copy: Copy
+
+
+def begin() -> None:
+    """A worker begins: with its copy, and with what all trials need."""
+    global copy
+    os.nice(19)
+    copy = Copy()
+    for library in LIBRARIES:
+        if find_spec(library.split(".")[0]):
+            import_module(library)
+
+
+def attempt(task: tuple[str, Mutant | None, str]) -> dict:
+    """One trial in this worker's copy."""
+    return copy.trial(*task)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--sample", type=int, default=400, help="mutants in all, the same number of every room")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--room", choices=ROOMS, action="append", help="this room only; may be repeated")
+    parser.add_argument("--workers", type=int, default=1)
+    parser.add_argument("--retry", action="store_true", help="try survivors again")
+    parser.add_argument("--table", action="store_true", help="write docs/mutants.md from what is recorded, and end")
+    options = parser.parse_args()
+    share = -(-options.sample // len(ROOMS))
+    samples = {room: sampled(room, share, options.seed) for room in options.room or ROOMS}
+    known, equivalent = recorded(), judged()
+    if options.table:
+        return write_table(ROOT, samples, known, equivalent)
+    tasks = [(room, mutant, mutant.file) for room, (sample, _) in samples.items() for mutant in sample
+             if mutant.key not in equivalent
+             and (mutant.key not in known or (options.retry and not known[mutant.key][-1]["killed"]))]
+    files = {(room, tuple(tests(room, file))): file for room, _, file in tasks}
+    RESULTS.parent.mkdir(exist_ok=True)
+    with multiprocessing.get_context("fork").Pool(options.workers, begin) as pool, RESULTS.open("a") as results:
+        for (room, _), file in files.items():
+            before = pool.apply(attempt, ((room, None, file),))
+            if before["killed"]:
+                sys.exit(f"{file}: its tests fail as it is, by {before['by']}")
+            print(f"{room}: {file} as it is: {before['seconds']} s", flush=True)
+        for count, found in enumerate(pool.imap_unordered(attempt, tasks), 1):
+            results.write(json.dumps(found) + "\n")
+            results.flush()
+            print(f"{count}/{len(tasks)} {found['seconds']} s", "killed by " + found["by"] if found["killed"] else "SURVIVED",
+                  *found["key"], sep=" | ", flush=True)
+
+
+if __name__ == "__main__":
+    main()
