@@ -1,16 +1,16 @@
 """Do the tests notice a mistake? A sample of single-point mutants, each tried by its room's tests: `make mutants`.
 
-    .venv/bin/python tests/mutants [--sample 400] [--seed 1] [--room NAME]... [--workers 1] [--retry] [--table]
+    .venv/bin/python tests/mutants [--sample 406] [--seed 1] [--room NAME]... [--workers 1] [--retry] [--table]
 
 Why a driver of our own: mutmut 3 rewrites functions into trampolines, which no traced model and no source file inside
 an FMU stands, and leaves tables of numbers alone; cosmic-ray has one test command for all. Neither knows C, a mutant
 that needs an FMU built again, nor tests that differ between rooms.
 
 Nothing is changed in the checkout. Each worker has a copy of it, where one file at a time is mutated and put back. A
-trial is a fork of this process, which has the big libraries loaded already, so it costs what the tests cost. What came
+trial is a fork of the worker, which has the big libraries loaded already, so it costs what the tests cost. What came
 out is a line in results/mutants.jsonl: a run that was stopped goes on where it was, `--retry` tries survivors
 again (after tests were added), and the table in docs/mutants.md has the first verdict beside the last one. judged.yaml
-holds the mutants that change nothing that can be observed, with the reason. A room's share is killed / (tried - judged).
+holds the mutants that change nothing that can be observed, with the reason.
 """
 import argparse
 import json
@@ -30,9 +30,10 @@ from pathlib import Path
 from typing import NoReturn
 
 import yaml
+from page import write_table
 from points import Mutant, mutants
+from quick_build import recompiled
 from rooms import FMUS, ROOMS, tests
-from table import write_table
 
 ROOT = Path(__file__).parents[2]
 RESULTS = ROOT / "results" / "mutants.jsonl"
@@ -45,7 +46,8 @@ SECONDS = {"processor": 300, "clock": 900}  # of a stage; what takes longer hang
 
 def judged() -> dict[tuple, str]:
     """The reason why a mutant changes nothing, by its key."""
-    return {(j["file"], j["function"], j["from"], j["to"]): j["reason"] for j in yaml.safe_load(JUDGED.read_text()) or []}
+    listed = yaml.safe_load(JUDGED.read_text()) or []
+    return {(j["file"], j["function"], j["from"], j["to"]): j["reason"] for j in listed}
 
 
 def recorded() -> dict[tuple, list[dict]]:
@@ -57,10 +59,15 @@ def recorded() -> dict[tuple, list[dict]]:
     return found
 
 
+def listed(*options: str) -> list[str]:
+    """Files of the checkout, as git lists them."""
+    return subprocess.run(["git", "ls-files", *options], cwd=ROOT, capture_output=True, text=True,
+                          check=True).stdout.splitlines()
+
+
 def sampled(room: str, size: int, seed: int) -> tuple[list[Mutant], int]:
     """The room's sample, and how many mutants there are."""
-    listed = subprocess.run(["git", "ls-files", "*.py", "*.c"], cwd=ROOT, capture_output=True, text=True, check=True)
-    every = [mutant for file in listed.stdout.split() if tests(room, file) for mutant in mutants(ROOT, file)]
+    every = [mutant for file in listed("*.py", "*.c") if tests(room, file) for mutant in mutants(ROOT, file)]
     return sorted(every, key=lambda mutant: mutant.drawn(seed))[:size], len(every)
 
 
@@ -69,14 +76,13 @@ class Copy:
 
     def __init__(self) -> None:
         self.root = Path(tempfile.mkdtemp(prefix="mutants."))
-        listed = subprocess.run(["git", "ls-files", "--cached", "--others", "--exclude-standard"], cwd=ROOT, capture_output=True,
-                                text=True, check=True)
-        for name in listed.stdout.splitlines():
+        for name in listed("--cached", "--others", "--exclude-standard"):
             if (ROOT / name).is_file():
                 (self.root / name).parent.mkdir(parents=True, exist_ok=True)
                 shutil.copy2(ROOT / name, self.root / name)
-        shutil.copytree(ROOT / "fmus" / "dist", self.root / "fmus" / "dist")
-        shutil.copytree(self.root / "fmus" / "dist", self.root / "results" / "dist", ignore=shutil.ignore_patterns(".*"))
+        self.dist, self.built = self.root / "fmus" / "dist", self.root / "results" / "dist"
+        shutil.copytree(ROOT / "fmus" / "dist", self.dist)
+        shutil.copytree(self.dist, self.built, ignore=shutil.ignore_patterns(".*"))
 
     def run(self, room: str, stage: str) -> tuple[bool, str]:
         """Whether the tests of a stage pass, and if not, what ended it."""
@@ -105,24 +111,38 @@ class Copy:
             os.dup2(out, 2)
             resource.setrlimit(resource.RLIMIT_CPU, (SECONDS["processor"], SECONDS["processor"] + 5))
             os.environ.update(PYTHONPATH=str(self.root), CI="1")
-            sys.path[:] = [str(self.root), *(place for place in sys.path if Path(place or ".") != Path(__file__).parent)]
-            every, files = stage.startswith("all "), [f"tests/{name}.py" for name in stage.removeprefix("all ").split()]
-            if room in FMUS and not every:
-                flavour, registry = import_module("fmus.native_flavour"), import_module("cosim.vehicle.registry")
-                assert str(flavour.__file__).startswith(str(self.root)), "the tests would not try the copy"
-                flavour.PLATFORMS = {"linux64": flavour.PLATFORMS["linux64"]}
-                registry.MODELS = {name: registry.MODELS[name] for name in FMUS[room] or registry.MODELS}
-            os._exit(int(import_module("pytest").main([*PYTEST, *files])))
+            sys.path[0] = str(self.root)
+            self.narrow(room, stage)
+            names, _, chosen = stage.removeprefix("platforms ").partition(" -k ")
+            files = [f"tests/{name}.py" for name in names.split()]
+            os._exit(int(import_module("pytest").main([*PYTEST, "-k", chosen, *files])))
         except BaseException as error:
             print(f"ERROR {error!r}", file=sys.stderr, flush=True)
             os._exit(99)
+
+    def narrow(self, room: str, stage: str) -> None:
+        """Build no FMUs but those that the stage needs, and as cheaply as it allows."""
+        building, flavour = import_module("fmus.build"), import_module("fmus.native_flavour")
+        assert str(building.__file__).startswith(str(self.root)), "the tests would not try the copy"
+        every = stage.startswith("platforms ")
+        if room not in FMUS:
+            return
+        registry = import_module("cosim.vehicle.registry")
+        wanted = ("AhvScenario",) if every else FMUS[room] or registry.MODELS
+        registry.MODELS = {name: registry.MODELS[name] for name in wanted}
+        if not every:
+            flavour.PLATFORMS = {"linux64": flavour.PLATFORMS["linux64"]}
+        names, make = {module: name for name, module in registry.MODELS.items()}, building.build
+        if room == "wrapper":
+            building.build = lambda model, flavour: make(model, flavour) if flavour != "native" else recompiled(
+                building.DIST / flavour / f"{names[model]}.fmu", self.root / "fmus" / "wrapper")
 
     def trial(self, room: str, mutant: Mutant | None, file: str) -> dict:
         """A mutant's verdict, by what, and after how long; None tries the tests on the file as it is."""
         target, began = self.root / file, time.monotonic()
         original, state = target.read_bytes(), target.stat()
-        for built in (self.root / "results" / "dist").glob("*/*"):
-            shutil.copy2(built, self.root / "fmus" / "dist" / built.relative_to(self.root / "results" / "dist"))
+        for built in self.built.glob("*/*"):
+            shutil.copy2(built, self.dist / built.relative_to(self.built))
         sys.dont_write_bytecode = mutant is not None  # a file's bytecode is taken for it if time and size agree
         os.environ["PYTHONDONTWRITEBYTECODE"] = "1" if mutant else ""
         try:
@@ -159,7 +179,7 @@ def attempt(task: tuple[str, Mutant | None, str]) -> dict:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--sample", type=int, default=400, help="mutants in all, the same number of every room")
+    parser.add_argument("--sample", type=int, default=406, help="mutants in all, the same number of every room")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--room", choices=ROOMS, action="append", help="this room only; may be repeated")
     parser.add_argument("--workers", type=int, default=1)
@@ -185,8 +205,8 @@ def main() -> None:
         for count, found in enumerate(pool.imap_unordered(attempt, tasks), 1):
             results.write(json.dumps(found) + "\n")
             results.flush()
-            print(f"{count}/{len(tasks)} {found['seconds']} s", "killed by " + found["by"] if found["killed"] else "SURVIVED",
-                  *found["key"], sep=" | ", flush=True)
+            verdict = f"killed by {found['by']}" if found["killed"] else "SURVIVED"
+            print(f"{count}/{len(tasks)} {found['seconds']} s", verdict, *found["key"], sep=" | ", flush=True)
 
 
 if __name__ == "__main__":

@@ -2,7 +2,7 @@
 
 Python is read with `ast`, whose positions in the text give the place of every operator, constant, condition and
 statement. C is read with a regular expression that steps over comments, strings and the preprocessor's lines.
-A mutant is known by its file, its function, its line and what becomes of the line: it stays the same one when lines move.
+A mutant is known by its file, its function, its line and what becomes of the line: it stays the same when lines move.
 """
 import ast
 import hashlib
@@ -42,7 +42,7 @@ class Mutant:
         return self.file, self.function, self.before, self.after
 
     def drawn(self, seed: int) -> str:
-        """The sample of a seed is the mutants that come first by this: other mutants do not change whether it is drawn."""
+        """What a sample is sorted by. It depends on no other mutant, so that a sample stays when code is added."""
         return hashlib.sha256(repr((seed, self.key)).encode()).hexdigest()
 
 
@@ -151,8 +151,8 @@ SKIPPED = r'/\*.*?\*/|//[^\n]*|"(?:\\.|[^"\\])*"|\'(?:\\.|[^\'\\])*\'|^\#[^\n]*'
 C_SYMBOLS = r"&&|\|\||[<>=!]=|[+-]=|(?<=[\w)\]] )[-+*/<>&|%](?= )"
 C_STATEMENT = re.compile(r"(?<=\n)( +)(?!return\b|else\b|const\b|case\b|for\b)[\w>*\[\].()-]+ ?(?:[-+|&]?= |\()[^;{}]*;"
                          r"|(?<=\n)( +)(?:break|continue|return);")
-C_TOKEN = re.compile(rf"(?P<skip>{SKIPPED})|(?P<symbol>{C_SYMBOLS})|(?P<not>!(?=[\w(]))|(?P<number>\b\d[\w.]*(?:e-?\d+)?)"
-                     r"|(?P<if>\b(?:if|while) \()", re.DOTALL | re.MULTILINE)
+C_TOKEN = re.compile(rf"(?P<skip>{SKIPPED})|(?P<symbol>{C_SYMBOLS})|(?P<not>!(?=[\w(]))"
+                     r"|(?P<number>\b\d[\w.]*(?:e-?\d+)?)|(?P<if>\b(?:if|while) \()", re.DOTALL | re.MULTILINE)
 
 
 def c_changes(text: str) -> Iterator[Change]:

@@ -55,7 +55,7 @@ def flights(model, seed):
     rng, table = np.random.default_rng(seed), variables(model.VARIABLES)
 
     def flight(**what):
-        inputs = {v.name: (v.start + rng.uniform(-1, 1) * (v.nominal or 1) * 0.02, rng.normal() * (v.nominal or 1) * 0.01)
+        inputs = {v.name: (v.start + 0.02 * v.nominal * rng.uniform(-1, 1), 0.01 * v.nominal * rng.normal())
                   for v in table if v.causality == "input"}
         return {"time": float(rng.uniform(0, 150)), "step": 0.005, "inputs": inputs, **what}
 
