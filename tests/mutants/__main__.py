@@ -13,6 +13,7 @@ again (after tests were added), and the table in docs/mutants.md has the first v
 holds the mutants that change nothing that can be observed, with the reason.
 """
 import argparse
+import compileall
 import json
 import multiprocessing
 import os
@@ -74,8 +75,8 @@ def sampled(room: str, size: int, seed: int) -> tuple[list[Mutant], int]:
 class Copy:
     """A copy of the checkout, with the FMUs that are built, to try mutants in."""
 
-    def __init__(self) -> None:
-        self.root = Path(tempfile.mkdtemp(prefix="mutants."))
+    def __init__(self, folder: str) -> None:
+        self.root, self.sound = Path(tempfile.mkdtemp(dir=folder)), set[str]()
         for name in listed("--cached", "--others", "--exclude-standard"):
             if (ROOT / name).is_file():
                 (self.root / name).parent.mkdir(parents=True, exist_ok=True)
@@ -86,6 +87,8 @@ class Copy:
 
     def run(self, room: str, stage: str) -> tuple[bool, str]:
         """Whether the tests of a stage pass, and if not, what ended it."""
+        for built in self.built.glob("*/*"):
+            shutil.copy2(built, self.dist / built.relative_to(self.built))
         pid = os.fork()
         if not pid:
             self.child(room, stage)
@@ -110,7 +113,8 @@ class Copy:
             os.dup2(out, 1)
             os.dup2(out, 2)
             resource.setrlimit(resource.RLIMIT_CPU, (SECONDS["processor"], SECONDS["processor"] + 5))
-            os.environ.update(PYTHONPATH=str(self.root), CI="1")
+            os.environ.update(PYTHONPATH=str(self.root), PYTHONDONTWRITEBYTECODE="1", CI="1")
+            sys.dont_write_bytecode = True  # bytecode is taken for a file's if time and size agree
             sys.path[0] = str(self.root)
             self.narrow(room, stage)
             names, _, chosen = stage.removeprefix("platforms ").partition(" -k ")
@@ -137,42 +141,51 @@ class Copy:
             building.build = lambda model, flavour: make(model, flavour) if flavour != "native" else recompiled(
                 building.DIST / flavour / f"{names[model]}.fmu", self.root / "fmus" / "wrapper")
 
-    def trial(self, room: str, mutant: Mutant | None, file: str) -> dict:
-        """A mutant's verdict, by what, and after how long; None tries the tests on the file as it is."""
-        target, began = self.root / file, time.monotonic()
+    def trial(self, room: str, mutant: Mutant) -> dict:
+        """A mutant's verdict, by what, and after how long. Raises RuntimeError where a test fails without the mutant."""
+        began, by = time.monotonic(), ""
+        for stage in tests(room, mutant.file) or []:
+            passed, by = self.mutated(room, stage, mutant)
+            if passed:
+                continue
+            if stage not in self.sound:
+                sound, reason = self.run(room, stage)
+                if not sound:
+                    raise RuntimeError(f"{stage} fails on the tree as it is, by {reason}")
+                self.sound.add(stage)
+            break
+        else:
+            by = ""
+        seconds = round(time.monotonic() - began, 1)
+        return {"room": room, "key": mutant.key, "killed": bool(by), "by": by, "seconds": seconds}
+
+    def mutated(self, room: str, stage: str, mutant: Mutant) -> tuple[bool, str]:
+        """What `run` says while the file is mutated; it is put back with its date, which its bytecode goes by."""
+        target = self.root / mutant.file
         original, state = target.read_bytes(), target.stat()
-        for built in self.built.glob("*/*"):
-            shutil.copy2(built, self.dist / built.relative_to(self.built))
-        sys.dont_write_bytecode = mutant is not None  # a file's bytecode is taken for it if time and size agree
-        os.environ["PYTHONDONTWRITEBYTECODE"] = "1" if mutant else ""
         try:
-            if mutant:
-                target.write_text(mutant.text, encoding="utf-8")
-            for stage in tests(room, file) or []:
-                passed, by = self.run(room, stage)
-                if not passed:
-                    break
+            target.write_text(mutant.text, encoding="utf-8")
+            return self.run(room, stage)
         finally:
             target.write_bytes(original)
             os.utime(target, ns=(state.st_atime_ns, state.st_mtime_ns))
-        return {"room": room, "key": mutant.key if mutant else file, "killed": not passed, "by": "" if passed else by,
-                "seconds": round(time.monotonic() - began, 1)}
 
 
 copy: Copy
 
 
-def begin() -> None:
-    """A worker begins: with its copy, and with what all trials need."""
+def begin(folder: str) -> None:
+    """A worker begins: with its copy below `folder`, and with what all trials need."""
     global copy
     os.nice(19)
-    copy = Copy()
+    copy = Copy(folder)
+    compileall.compile_dir(copy.root, quiet=2)
     for library in LIBRARIES:
         if find_spec(library.split(".")[0]):
             import_module(library)
 
 
-def attempt(task: tuple[str, Mutant | None, str]) -> dict:
+def attempt(task: tuple[str, Mutant]) -> dict:
     """One trial in this worker's copy."""
     return copy.trial(*task)
 
@@ -191,17 +204,12 @@ def main() -> None:
     known, equivalent = recorded(), judged()
     if options.table:
         return write_table(ROOT, samples, known, equivalent)
-    tasks = [(room, mutant, mutant.file) for room, (sample, _) in samples.items() for mutant in sample
+    tasks = [(room, mutant) for room, (sample, _) in samples.items() for mutant in sample
              if mutant.key not in equivalent
              and (mutant.key not in known or (options.retry and not known[mutant.key][-1]["killed"]))]
-    files = {(room, tuple(tests(room, file))): file for room, _, file in tasks}
     RESULTS.parent.mkdir(exist_ok=True)
-    with multiprocessing.get_context("fork").Pool(options.workers, begin) as pool, RESULTS.open("a") as results:
-        for (room, _), file in files.items():
-            before = pool.apply(attempt, ((room, None, file),))
-            if before["killed"]:
-                sys.exit(f"{file}: its tests fail as it is, by {before['by']}")
-            print(f"{room}: {file} as it is: {before['seconds']} s", flush=True)
+    with (tempfile.TemporaryDirectory(prefix="mutants.") as folder, RESULTS.open("a") as results,
+          multiprocessing.get_context("fork").Pool(options.workers, begin, (folder,)) as pool):
         for count, found in enumerate(pool.imap_unordered(attempt, tasks), 1):
             results.write(json.dumps(found) + "\n")
             results.flush()

@@ -12,9 +12,9 @@ tests were run on each.
 A mistake (a mutant) is one operator, constant, condition or statement changed. `make mutants` draws a sample, the
 same number in every room of the project, and tries each mutant in a copy of the tree. A mutant is killed when a test
 fails or hangs. A mutant that changes nothing that can be observed is *equivalent*: `tests/mutants/judged.yaml` lists
-these with the reason. The share is killed / (tried - equivalent). "Before" is the share at the first trial of each mutant, when no tests
-had been written for the survivors yet. `tests/mutants/rooms.py` names the files and the tests of each room,
-`tests/mutants/points.py` the changes.
+these with the reason. The share is killed / (tried - equivalent). "Before" is the share at the first trial of each
+mutant, when no tests had been written for the survivors yet. `tests/mutants/rooms.py` names the files and the tests
+of each room, `tests/mutants/points.py` the changes.
 
 This page is written by `.venv/bin/python tests/mutants --table`.
 """

@@ -152,7 +152,7 @@ C_SYMBOLS = r"&&|\|\||[<>=!]=|[+-]=|(?<=[\w)\]] )[-+*/<>&|%](?= )"
 C_STATEMENT = re.compile(r"(?<=\n)( +)(?!return\b|else\b|const\b|case\b|for\b)[\w>*\[\].()-]+ ?(?:[-+|&]?= |\()[^;{}]*;"
                          r"|(?<=\n)( +)(?:break|continue|return);")
 C_TOKEN = re.compile(rf"(?P<skip>{SKIPPED})|(?P<symbol>{C_SYMBOLS})|(?P<not>!(?=[\w(]))"
-                     r"|(?P<number>\b\d[\w.]*(?:e-?\d+)?)|(?P<if>\b(?:if|while) \()", re.DOTALL | re.MULTILINE)
+                     r"|(?P<number>\b\d+\.?\d*(?:e-?\d+)?\b)|(?P<if>\b(?:if|while) \()", re.DOTALL | re.MULTILINE)
 
 
 def c_changes(text: str) -> Iterator[Change]:
