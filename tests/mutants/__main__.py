@@ -142,7 +142,7 @@ class Copy:
                 building.DIST / flavour / f"{names[model]}.fmu", self.root / "fmus" / "wrapper")
 
     def trial(self, room: str, mutant: Mutant) -> dict:
-        """A mutant's verdict, by what, and after how long. Raises RuntimeError where a test fails without the mutant."""
+        """A mutant's verdict, by what, and after how long. Raises RuntimeError where a test fails without it."""
         began, by = time.monotonic(), ""
         for stage in tests(room, mutant.file) or []:
             passed, by = self.mutated(room, stage, mutant)
