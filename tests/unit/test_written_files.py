@@ -109,7 +109,8 @@ def test_the_page_shows_values_as_people_read_them(model, trace, tmp_path):
     page = documentation.page(model, trace).decode()
     for row in (["level", "2", "1", "", "0", "9", "level"],
                 ["angle", "3", "deg", "", "-57.2958", "57.2958", "of &lt;the&gt; float"],
-                ["open", "1", "Boolean", "true", "", "", "valve open"], ["turn", "4", "rad/s", "", "", "", "of the screw"],
+                ["open", "1", "Boolean", "true", "", "", "valve open"],
+                ["turn", "4", "rad/s", "", "", "", "of the screw"],
                 ["rate", "1", "1/s"], ["tilt", "14.3239", "deg"], ["locked", "true", ""],
                 ["level", "no input"], ["angle", "flow"]):
         assert "<tr>" + "".join(f"<td>{cell}</td>" for cell in row) + "</tr>" in page, row
