@@ -149,8 +149,9 @@ def python_changes(text: str) -> Iterator[Change]:
 
 SKIPPED = r'/\*.*?\*/|//[^\n]*|"(?:\\.|[^"\\])*"|\'(?:\\.|[^\'\\])*\'|^\#[^\n]*'
 C_SYMBOLS = r"&&|\|\||[<>=!]=|[+-]=|(?<=[\w)\]] )[-+*/<>&|%](?= )"
-C_STATEMENT = re.compile(r"(?<=\n)( +)(?!return\b|else\b|const\b|case\b|for\b)[\w>*\[\].()-]+ ?(?:[-+|&]?= |\()[^;{}]*;"
-                         r"|(?<=\n)( +)(?:break|continue|return);")
+# A statement of its own line; one that begins inside another is found as well.
+C_STATEMENT = re.compile(r"(?<=\n)(?=( +)((?!return\b|else\b|const\b|case\b|for\b)[\w>*\[\].()-]+ ?(?:[-+|&]?= |\()"
+                         r"[^;{}]*;|(?:break|continue|return);))")
 C_TOKEN = re.compile(rf"(?P<skip>{SKIPPED})|(?P<symbol>{C_SYMBOLS})|(?P<not>!(?=[\w(]))"
                      r"|(?P<number>\b\d+\.?\d*(?:e-?\d+)?\b)|(?P<if>\b(?:if|while) \()", re.DOTALL | re.MULTILINE)
 
@@ -181,9 +182,10 @@ def c_changes(text: str) -> Iterator[Change]:
             case "if":
                 yield start, (close := closing(text, end - 1)) + 1, f"{token[0]}!({text[end:close]}))", where
     for statement in C_STATEMENT.finditer(text):
-        start = statement.start() + len(statement[1] or statement[2])
-        if not any(a <= start < b for a, b in skipped):
-            yield start, statement.end(), ";", function(start)
+        start, end = statement.span(2)
+        whole = statement[2].count("(") == statement[2].count(")")  # not the last line of a longer one
+        if whole and not any(a <= start < b for a, b in skipped):
+            yield start, end, ";", function(start)
 
 
 def closing(text: str, opening: int) -> int:
