@@ -1,11 +1,15 @@
 """A native FMU called as C calls it, with arguments that a careful importer would not give: a status, never a crash."""
 import ctypes
 import math
+import sys
 from ctypes import POINTER, byref, c_char_p, c_double, c_int, c_size_t, c_uint, c_void_p
 
 import pytest
 from fmpy.fmi2 import fmi2CallbackFunctions
 from test_native_refusals import DISCARD, ERROR, Talking
+
+from fmus import native_flavour
+from fmus.build import build
 
 OK = 0
 CO_SIMULATION, MODEL_EXCHANGE = 1, 0
@@ -309,3 +313,53 @@ def test_without_memory_there_is_no_state(raw):
     assert "no memory for a state" in raw.member.said[0][2] and state.value is None
     raw.library.fmi2FreeInstance.argtypes = [c_void_p]
     raw.library.fmi2FreeInstance(component)
+
+
+GROWING = '''"""A state that outgrows what a double can hold, behind an output that does not."""
+NAME = "Growing"
+DESCRIPTION = "A state that grows by a factor in each step"
+VARIABLES = [
+    ("shown", "output", "1", None, None, None, 1.0, "the state, but no more than 1"),
+    ("factor", "parameter", "1", 1e200, None, None, None, "growth in a step"),
+    ("first", "parameter", "1", 1.0, None, None, None, "the square root of the first state"),
+]
+PRESETS = {}
+
+
+def start(m, u, p):
+    return [0.0, p.first * p.first]
+
+
+def advance(m, t, h, x, u, p, c):
+    return [x[0], x[1] * p.factor]
+
+
+def outputs(m, t, x, u, p):
+    return {"shown": m.fmin(x[1], 1.0)}
+'''
+
+
+@pytest.fixture
+def growing(tmp_path, monkeypatch):
+    (tmp_path / "growing.py").write_text(GROWING)
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr(native_flavour, "PLATFORMS", {"linux64": native_flavour.PLATFORMS["linux64"]})
+    with Talking(build("growing", "native", tmp_path / "dist")) as member:
+        yield Raw(member)
+    del sys.modules["growing"]
+
+
+def test_a_state_that_is_no_number_is_never_taken(growing):
+    assert growing("fmi2SetReal", growing.reference("first"), 1, (c_double * 1)(1e200)) == OK
+    assert growing("fmi2GetReal", growing.reference("shown"), 1, (c_double * 1)()) == ERROR
+    assert "Growing cannot start: an internal state is not a finite number" in growing.member.said[0][2]
+    assert growing("fmi2SetReal", growing.reference("first"), 1, (c_double * 1)(1.0)) == OK
+    growing.member.begin()
+    growing.member.shut()
+    assert growing("fmi2DoStep", 0.0, 0.5, 1) == OK
+    assert growing("fmi2DoStep", 0.5, 0.5, 1) == DISCARD
+    assert "an internal state is not a finite number at t = 1 s" in growing.member.said[0][2]
+    ended, time = c_int(), c_double()
+    assert growing("fmi2GetBooleanStatus", TERMINATED, byref(ended)) == OK and ended.value == 1
+    assert growing("fmi2GetRealStatus", LAST_TIME, byref(time)) == OK and time.value == 0.5
+    assert growing.member.get("shown") == [1.0]

@@ -137,9 +137,14 @@ class Copy:
         if not every:
             flavour.PLATFORMS = {"linux64": flavour.PLATFORMS["linux64"]}
         names, make = {module: name for name, module in registry.MODELS.items()}, building.build
+
+        def built(model: str, flavour: str, *more: object) -> Path:
+            if flavour == "native" and model in names:
+                return recompiled(self.dist / flavour / f"{names[model]}.fmu", self.root / "fmus" / "wrapper")
+            return make(model, flavour, *more)
+
         if room == "wrapper":
-            building.build = lambda model, flavour: make(model, flavour) if flavour != "native" else recompiled(
-                building.DIST / flavour / f"{names[model]}.fmu", self.root / "fmus" / "wrapper")
+            building.build = built
 
     def trial(self, room: str, mutant: Mutant) -> dict:
         """A mutant's verdict, by what, and after how long. Raises RuntimeError where a test fails without it."""
