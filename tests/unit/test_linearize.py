@@ -118,11 +118,13 @@ def test_memories_are_no_states_of_a_loop(law):
     assert np.abs(system.poles).min() > 0.05
 
 
-def test_a_loop_at_an_actuators_limit_has_no_trim():
+@pytest.mark.parametrize("limit,actuator", [("fuel_ratio_max", 0), ("fuel_ratio_min", 0), ("elevator_max", 1),
+                                            ("elevator_min", 1)])
+def test_a_trim_with_an_actuator_at_its_limit_is_none(limit, actuator):
     module, gains = gains_of("neural")
-    for limit in ({"elevator_max": 0.2}, {"fuel_ratio_max": 0.2}, {"elevator_min": 0.25}, {"fuel_ratio_min": 0.3}):
-        with pytest.raises(NoTrim):
-            linear_loop(plant, module, {**gains, **limit}, 7700, 85000)
+    needed = linear_loop(plant, module, gains, 7700, 85000).y[actuator]
+    with pytest.raises(NoTrim, match=r"an actuator is at its limit: fuel ratio 0\.267, elevator 12\.51 deg"):
+        linear_loop(plant, module, {**gains, limit: needed}, 7700, 85000)
 
 
 def test_the_report_is_about_the_papers_trim():
