@@ -137,8 +137,8 @@ def derivative(m, x, u, p):
 
 def prepare(m, p, h):
     """19 transition entries for steps of h: reference filter (4), three differentiators (4 each), three observers."""
-    return [*filter_transition(p.reference_omega, p.reference_zeta, h),
-            *(entry for R in (p.R_gamma, p.R_theta, p.R_Q) for entry in filter_transition(R, CRITICAL, h)),
+    return [*filter_transition(m, p.reference_omega, p.reference_zeta, h),
+            *(entry for R in (p.R_gamma, p.R_theta, p.R_Q) for entry in filter_transition(m, R, CRITICAL, h)),
             *(m.exp(-gain * h) for gain in (p.observer_V, p.observer_gamma, p.observer_Q))]
 
 

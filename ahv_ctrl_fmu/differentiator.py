@@ -2,11 +2,6 @@
 from .linear import apply, exponential
 
 
-def flat(matrix):
-    """The entries of a list of rows, row-major."""
-    return [entry for row in matrix for entry in row]
-
-
 def differentiator_rate(chi, signal, R, a):
     """d chi/dt of (13): chi follows `signal` and its first three derivatives."""
     a1, a2, a3, a4 = a
@@ -14,14 +9,14 @@ def differentiator_rate(chi, signal, R, a):
             -R**4 * (a1 * (chi[0] - signal) + a2 * chi[1] / R + a3 * chi[2] / R**2 + a4 * chi[3] / R**3)]
 
 
-def differentiator_transition(R, a, h):
+def differentiator_transition(m, R, a, h):
     """16 entries, row-major: exp(h A) of (13)'s homogeneous part.
 
     Computed in the scaled states chi_i / R^(i-1), whose matrix is R times a companion matrix of order 1.
     """
     a1, a2, a3, a4 = a
     k = R * h
-    scaled = exponential([[0, k, 0, 0], [0, 0, k, 0], [0, 0, 0, k], [-a1 * k, -a2 * k, -a3 * k, -a4 * k]])
+    scaled = exponential(m, [[0, k, 0, 0], [0, 0, k, 0], [0, 0, 0, k], [-a1 * k, -a2 * k, -a3 * k, -a4 * k]])
     return [scaled[i][j] * (R**(i - j) if i >= j else 1 / R**(j - i)) for i in range(4) for j in range(4)]
 
 
@@ -38,9 +33,11 @@ def filter_rate(r, command, omega, zeta):
     return [r[1], omega * omega * (command - r[0]) - 2 * zeta * omega * r[1]]
 
 
-def filter_transition(omega, zeta, h):
-    """4 entries, row-major: exp(h A) of (67)'s homogeneous part."""
-    return flat(exponential([[0, h], [-omega * omega * h, -2 * zeta * omega * h]]))
+def filter_transition(m, omega, zeta, h):
+    """4 entries, row-major: exp(h A) of (67)'s homogeneous part, computed in the states r and dr/dt / omega."""
+    k = omega * h
+    (stay, from_rate), (to_rate, keep) = exponential(m, [[0, k], [-k, -2 * zeta * k]])
+    return [stay, from_rate / omega, to_rate * omega, keep]
 
 
 def filter_step(transition, r, command_0, command_1, h, omega, zeta):

@@ -170,9 +170,9 @@ def prepare(m, p, h):
     """40 transition entries for steps of h: reference filter (4), differentiators on y (16) and gamma_d (16),
     structural filter (4)."""
     a = (p.a1, p.a2, p.a3, p.a4)
-    return [*filter_transition(p.reference_omega, p.reference_zeta, h),
-            *differentiator_transition(p.R, a, h), *differentiator_transition(p.R_d, a, h),
-            *filter_transition(filter_omega(m, p), p.elevator_damping, h)]
+    return [*filter_transition(m, p.reference_omega, p.reference_zeta, h),
+            *differentiator_transition(m, p.R, a, h), *differentiator_transition(m, p.R_d, a, h),
+            *filter_transition(m, filter_omega(m, p), p.elevator_damping, h)]
 
 
 def advance(m, t, h, x, u, p, c):

@@ -71,7 +71,7 @@ def section_gains(p, k):
 def prepare(m, p, h):
     """39 numbers for steps of h: reference filter (4), sections (20), observers (6), low-passes (9)."""
     numbers = Numbers(
-        reference=filter_transition(p.reference_omega, p.reference_zeta, h),
+        reference=filter_transition(m, p.reference_omega, p.reference_zeta, h),
         filter=[value for k in SECTIONS for value in section(m, section_gains(p, k), h)],
         V=observer(m, p.observer_V, h), gamma=observer(m, p.observer_gamma, h), Q=observer(m, p.observer_Q, h),
         h=low_pass(m, p.filter_h, h), gamma_slow=low_pass(m, p.filter_gamma, h), m0=low_pass(m, p.observer_Q, h),

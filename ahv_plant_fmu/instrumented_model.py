@@ -6,13 +6,14 @@ V_true ... Q_true what is. A command passes a delay, then a lag with a rate limi
 delay, then noise is added.
 
 A delay is a line of TAPS samples, one every TAP seconds, read in between by straight lines; for communication
-steps that are no multiple of TAP it is right to within one step. A new noise sample comes every TAP seconds, from Park
-and Miller's generator: three uniform numbers added.
+steps that are no multiple of TAP it is right to within one step. A new noise sample comes every TAP seconds (see
+`noise`).
 """
 from math import pi
 from types import SimpleNamespace
 
 from . import model as plant
+from .noise import LARGEST_SEED, samples
 
 NAME = "AhvInstrumentedPlant"
 DESCRIPTION = "The vehicle with actuator lag, rate limits, delays and sensor noise, all off by default"
@@ -23,8 +24,6 @@ ACTUATORS = (("fuel_ratio", "1", 1.0), ("elevator", "rad", 0.1))
 SENSORS = (("V", "ft/s", 1000.0), ("h", "ft", 1000.0), ("gamma", "rad", 0.01), ("theta", "rad", 0.01),
            ("Q", "rad/s", 0.01))
 CHANNELS = [name for name, *_ in (*ACTUATORS, *SENSORS)]
-MODULUS, MULTIPLIER = 2147483647.0, 16807.0  # products stay below 2^53: exact in doubles
-DRAWS = 3  # uniform numbers per sample of noise; the sum's variance is 3/12
 
 RATE = {"1": "1/s", "rad": "rad/s"}
 
@@ -43,7 +42,7 @@ VARIABLES = [
       for name, unit, _ in ACTUATORS),
     *((f"{name}_noise", "parameter", unit, 0.0, 0.0, None, None, f"root mean square of {name}'s noise")
       for name, unit, _ in SENSORS),
-    ("noise_seed", "parameter", "1", 1.0, 1.0, MODULUS - 1, None, "start of the noise's generator, a whole number"),
+    ("noise_seed", "parameter", "1", 1.0, 1.0, LARGEST_SEED, None, "which noise, a whole number"),
 ]
 
 OFF = {name: start for name, causality, _, start, *_ in VARIABLES[len(plant.VARIABLES):] if causality == "parameter"}
@@ -60,18 +59,17 @@ VEHICLE = 9 + len(plant.MEMORY)
 
 
 def unpack(x):
-    """The plant's states; position of both actuators; noise of the five sensors; seed; one delay line per channel."""
-    lines = x[VEHICLE + 8:]
-    return SimpleNamespace(vehicle=x[:VEHICLE], actuators=x[VEHICLE:VEHICLE + 2], noise=x[VEHICLE + 2:VEHICLE + 7],
-                           seed=x[VEHICLE + 7], lines=[lines[i * TAPS:(i + 1) * TAPS] for i in range(len(CHANNELS))])
+    """The plant's states; position of both actuators; one delay line per channel."""
+    lines = x[VEHICLE + 2:]
+    return SimpleNamespace(vehicle=x[:VEHICLE], actuators=x[VEHICLE:VEHICLE + 2],
+                           lines=[lines[i * TAPS:(i + 1) * TAPS] for i in range(len(CHANNELS))])
 
 
 def start(m, u, p):
-    """The plant's initial state, actuators and delay lines at rest where it is, and no noise yet: see `unpack`."""
+    """The plant's initial state, actuators and delay lines at rest where it is: see `unpack`."""
     vehicle = plant.start(m, u, p)
     commands = [u.fuel_ratio, u.elevator]
-    return [*vehicle, *commands, *[0.0] * 5, p.noise_seed,
-            *(value for now in (*commands, *vehicle[:5]) for value in [now] * TAPS)]
+    return [*vehicle, *commands, *(value for now in (*commands, *vehicle[:5]) for value in [now] * TAPS)]
 
 
 def ticks(m, t):
@@ -96,19 +94,6 @@ def actuator_step(m, position, command, bandwidth, rate, h):
     return later, m.where(m.either(bandwidth > 0.0, rate > 0.0), 0.5 * (position + later), command)
 
 
-def fresh_noise(m, seed, rms):
-    """The next sample of every sensor's noise, and the generator's next state."""
-    samples = []
-    for size in rms:
-        total = 0.0
-        for _ in range(DRAWS):
-            product = MULTIPLIER * seed
-            seed = product - MODULUS * m.floor(product / MODULUS)
-            total = total + seed / MODULUS
-        samples.append(size * 2.0 * (total - 0.5 * DRAWS))
-    return samples, seed
-
-
 def advance(m, t, h, x, u, p, c):
     """The state h seconds later: commands through the actuators, the plant's own step, then the sensors' lines."""
     s = unpack(x)
@@ -130,9 +115,7 @@ def advance(m, t, h, x, u, p, c):
     held = SimpleNamespace(**{**vars(u), "fuel_ratio": used[0], "elevator": used[1]})
     vehicle = plant.advance(m, t, h, s.vehicle, held, p, c)
     lines += [shifted(line, now) for line, now in zip(s.lines[2:], vehicle[:5])]
-    noise, seed = fresh_noise(m, s.seed, [getattr(p, f"{name}_noise") for name, *_ in SENSORS])
-    return [*vehicle, *actuators, *(m.where(passes, new, old) for new, old in zip(noise, s.noise)),
-            m.where(passes, seed, s.seed), *(value for line in lines for value in line)]
+    return [*vehicle, *actuators, *(value for line in lines for value in line)]
 
 
 def outputs(m, t, x, u, p):
@@ -144,8 +127,10 @@ def outputs(m, t, x, u, p):
         ideal = m.both(ideal, getattr(p, f"{name}_delay") <= 0.0)
         acts.append(m.where(ideal, getattr(u, name), position))
     y = plant.outputs(m, t, s.vehicle, SimpleNamespace(**{**vars(u), "fuel_ratio": acts[0], "elevator": acts[1]}), p)
-    since = t - TAP * ticks(m, t)
-    for (name, *_), line, noise in zip(SENSORS, s.lines[2:], s.noise):
+    tick = ticks(m, t)
+    noise = samples(m, p.noise_seed, tick, len(SENSORS))
+    for (name, *_), line, sample in zip(SENSORS, s.lines[2:], noise):
         y[f"{name}_true"] = y[name]
-        y[name] = delayed(m, y[name], line, getattr(p, f"{name}_delay"), since) + noise
+        shown = delayed(m, y[name], line, getattr(p, f"{name}_delay"), t - TAP * tick)
+        y[name] = shown + getattr(p, f"{name}_noise") * sample
     return {**y, "fuel_ratio_used": acts[0], "elevator_used": acts[1]}

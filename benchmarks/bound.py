@@ -42,7 +42,7 @@ from scipy.stats import spearmanr
 from cosim.campaign import plan as plans
 from cosim.campaign.sampling import draw
 from cosim.campaign.spec import Campaign
-from cosim.campaign.statistics import wilson
+from cosim.campaign.statistics import interval
 from cosim.errors import UsageError
 from cosim.master.algorithms import method
 from cosim.master.algorithms.base import Experiment
@@ -216,7 +216,7 @@ def line(path: Path, mode: str, runs: Container[int]) -> dict[str, Any]:
     within = int((errors < WITHIN).sum())
     return {
         "blind": mode, "draws": len(errors), "unsolved": tried - len(errors),
-        "within_20_ft": within / len(errors), "interval": list(wilson(within, len(errors))),
+        "within_20_ft": within / len(errors), "interval": list(interval(within, len(errors))),
         **{f"{name}_ft": float(np.quantile(errors, q)) for name, q in QUANTILES.items()},
         "seconds_per_draw": sum(float(r["seconds"]) for r in rows) / tried,
         "flown_apart_ft": max(float(r["apart_ft"]) for r in rows),

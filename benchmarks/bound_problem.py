@@ -83,7 +83,7 @@ def references(values: Values, stop: float) -> np.ndarray:
     """V_ref and h_ref, their rates and accelerations just before, at each TICK up to `stop`; (2, 3, ticks + 1)."""
     p = SimpleNamespace(**values)
     omega, zeta = LIMITS["reference_omega"], LIMITS["reference_zeta"]
-    transition = filter_transition(omega, zeta, TICK)
+    transition = filter_transition(floats, omega, zeta, TICK)
     found = []
     for name in ("V_command", "h_command"):
         numbers = scenario_model.PARAMETERS_OF[name](p)

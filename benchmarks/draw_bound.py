@@ -21,7 +21,7 @@ import yaml
 from bound import CASES, KNOWN, MODES, QUANTILES, ROOT, WITHIN, bounds
 
 from cosim.campaign.campaign import campaign
-from cosim.campaign.statistics import wilson
+from cosim.campaign.statistics import interval
 
 PICTURE = ROOT / "docs" / "pictures" / "bound.png"
 LAWS = [{"law": "resilient", "preset": "quiet", "name": "resilient, quiet"},
@@ -76,7 +76,7 @@ def line(errors: np.ndarray, least: dict[str, np.ndarray]) -> dict[str, Any]:
                 "draws": int(chosen.sum()), "bound_median_ft": float(np.median(least["0.1"][chosen])),
                 "median_ft": number(np.median(errors[chosen])), "max_ft": number(errors[chosen].max()),
                 **{f"share_above_{mode}": float((errors > least[mode])[chosen].mean()) for mode in MODES}}
-    return {"draws": len(errors), "within_20_ft": within / len(errors), "interval": wilson(within, len(errors)),
+    return {"draws": len(errors), "within_20_ft": within / len(errors), "interval": interval(within, len(errors)),
             "finished": float(np.isfinite(errors).mean()),
             **{f"{name}_ft": number(np.quantile(errors, q, method="higher")) for name, q in QUANTILES.items()},
             "by_bound_when_blind_for_0.1_s": bins}

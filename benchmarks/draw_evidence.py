@@ -36,7 +36,6 @@ from ahv_ctrl_fmu import backstepping_model, neural_model  # noqa: E402
 from ahv_ctrl_fmu.neural_model import PRESETS  # noqa: E402
 from ahv_plant_fmu import model as plant  # noqa: E402
 from cosim.analysis.margins import frequencies, margins_at, response  # noqa: E402
-from fmus.linear_report import preset_gains  # noqa: E402
 from fmus.linearize import GROUPS, linear_loop  # noqa: E402
 
 PICTURES = HERE.parent / "docs" / "pictures"
@@ -100,7 +99,7 @@ def stability():
     figure, axes = plt.subplots(3, 3, figsize=(13, 11))
     share = {}
     for column, (law, (_, model, preset)) in enumerate(LAWS.items()):
-        gains = preset_gains(model, preset)
+        gains = model.PRESETS[preset]
         maps = (
             (SPEEDS, ALTITUDES / 1000, "V (ft/s)", "h (1000 ft)",
              lambda a, b, g=gains, m=model: growth(m, g, a, 1000 * b)),
@@ -130,7 +129,7 @@ def margins():
     result = {}
     omega = frequencies(0.01)
     for law, (_, model, preset) in LAWS.items():
-        loop = linear_loop(plant, model, preset_gains(model, preset), 7700, 85000)
+        loop = linear_loop(plant, model, model.PRESETS[preset], 7700, 85000)
         result[law] = {name: margins_at(cut).as_dict() for name, cut in loop.cuts().items()}
         for column, place in enumerate(({"actuator": 1}, {"sensor": 2})):
             cut = loop.cut(**place)

@@ -16,7 +16,6 @@ import pyarrow as pa
 import pyarrow.compute as pc
 import pyarrow.parquet as pq
 import yaml
-from scipy.stats import binomtest
 
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parent / "tests"))
@@ -26,6 +25,7 @@ from native_step import native  # noqa: E402
 from studies import NOISE  # noqa: E402
 
 from cosim.campaign.campaign import campaign  # noqa: E402
+from cosim.campaign.statistics import interval  # noqa: E402
 
 CAMPAIGNS = HERE.parent / "docs" / "campaigns"
 OUT = Path("results") / "law_table"
@@ -55,7 +55,7 @@ def flown(name: str, workers: int | None) -> dict[str, pa.Table]:
 
 def share(found: np.ndarray) -> str:
     """How many are true, in per cent with the interval."""
-    low, high = binomtest(int(found.sum()), len(found)).proportion_ci(method="exact")
+    low, high = interval(int(found.sum()), len(found))
     return f"{100 * found.mean():6.2f} ({100 * low:.2f}-{100 * high:.2f})"
 
 

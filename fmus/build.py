@@ -14,7 +14,8 @@ FLAVOURS = {"python": python_flavour, "native": native_flavour}
 
 
 def build(model: ModuleType | str, flavour: str, dist: Path = DIST, arm: bool = False) -> Path:
-    """Write `dist`/`flavour`/NAME.fmu and return its path. The same sources give the same bytes.
+    """Write `dist`/`flavour`/NAME.fmu and return its path. The same sources give the same
+    bytes with the same versions of what makes the FMU, which `generationTool` names.
 
     `model` is a module as `fmus.interface` describes it, or its dotted name; `flavour` is one of FLAVOURS. `arm` adds
     binaries for Arm processors where the flavour has them.
@@ -33,8 +34,11 @@ def build(model: ModuleType | str, flavour: str, dist: Path = DIST, arm: bool = 
     for preset, values in model.PRESETS.items():
         files[f"resources/presets/{preset}.ssv"] = parameter_set(preset, values)
 
+    made_with = {"ahv": version("ahv"), "casadi": version("casadi"), **maker.versions()}
+    tool = ", ".join(f"{name} {number}" for name, number in made_with.items())
+
     def describe(guid: str) -> bytes:
-        return model_description(model, trace, maker.FLAVOUR, guid, version("ahv"))
+        return model_description(model, trace, maker.FLAVOUR, guid, version("ahv"), tool)
 
     files["modelDescription.xml"] = describe("")
     guid = "{" + pack.digest(files)[:32] + "}"

@@ -9,7 +9,6 @@ from .interface import Variable, computed, names, variables
 from .trace import Trace
 from .units import DEGREES, si_base
 
-TOOL = "ahv"
 AUTHOR = "the AHV FMU authors"
 COPYRIGHT = f"Copyright 2026 {AUTHOR}"
 LICENSE = "BSD-2-Clause"
@@ -113,12 +112,16 @@ def add_structure(root: Element, table: list[Variable], trace: Trace) -> None:
         add(initial, name, [(inputs + parameters)[i] for i in columns])
 
 
-def model_description(model: ModuleType, trace: Trace, flavour: Flavour, guid: str, version: str) -> bytes:
-    """modelDescription.xml of `model` (FMI 2.0 section 2.2), the same bytes for the same arguments."""
+def model_description(model: ModuleType, trace: Trace, flavour: Flavour, guid: str, version: str,
+                      tool: str) -> bytes:
+    """modelDescription.xml of `model` (FMI 2.0 section 2.2), the same bytes for the same arguments.
+
+    `tool` names what made the FMU, with versions.
+    """
     table = variables(model.VARIABLES)
     root = Element("fmiModelDescription", fmiVersion="2.0", modelName=model.NAME, guid=guid,
                    description=model.DESCRIPTION, version=version, author=AUTHOR, copyright=COPYRIGHT,
-                   license=LICENSE, generationTool=TOOL,
+                   license=LICENSE, generationTool=tool,
                    variableNamingConvention="flat")
     interface = SubElement(root, "CoSimulation", modelIdentifier=model.NAME,
                            canHandleVariableCommunicationStepSize="true", attrib=flavour.capabilities)

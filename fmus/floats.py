@@ -2,7 +2,7 @@
 
 `fmus.symbols` has the same names on CasADi symbols. Every function takes and returns single numbers.
 """
-from math import asin, ceil, cos, exp, fabs, floor, sin, sqrt, tan  # noqa: F401
+from math import asin, ceil, cos, exp, fabs, floor, log, sin, sqrt, tan  # noqa: F401
 
 
 def where(condition: bool, yes: float, no: float) -> float:

@@ -22,11 +22,6 @@ def matrices(system: Linear) -> dict[str, Any]:
             **{name: getattr(system, name).tolist() for name in "ABCD"}}
 
 
-def preset_gains(law: ModuleType, preset: str) -> dict[str, Any]:
-    """The parameters that a preset of the law sets. Raises KeyError for an unknown one."""
-    return dict(law.PRESETS[preset])
-
-
 def linear_report(plant: ModuleType, law: ModuleType, gains: dict[str, Any], V: float, h: float, step: float,
                   scale: dict[str, float], parameters: dict[str, Any], margins_at: Callable[[Linear], Any]
                   ) -> dict[str, Any]:

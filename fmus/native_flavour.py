@@ -6,7 +6,7 @@ import fmpy
 
 from .description import Flavour
 from .native_code import generated_sources
-from .native_compiler import LINUX, library, universal
+from .native_compiler import LINUX, compiler_version, library, universal
 from .trace import Trace
 
 WRAPPER = Path(__file__).parent / "wrapper"
@@ -21,6 +21,11 @@ PLATFORMS = {
     "win64": ("x86_64-windows-gnu", ".dll"),
     "darwin64": ("x86_64-macos", ".dylib"),
 }
+
+
+def versions() -> dict[str, str]:
+    """What decides on the FMU's bytes beside CasADi. Raises RuntimeError where the compiler is missing."""
+    return {"ziglang": compiler_version()}
 
 
 def files(model: ModuleType, trace: Trace) -> dict[str, bytes]:

@@ -1,6 +1,6 @@
 """A model as a pythonfmu FMU: its sources, a generic slave, pythonfmu's binaries."""
 import re
-from importlib.metadata import distribution
+from importlib.metadata import distribution, version
 from pathlib import Path
 from types import ModuleType
 
@@ -18,7 +18,7 @@ CAPABILITIES = {
     "canNotUseMemoryManagementFunctions": "true",
 }
 FLAVOUR = Flavour(CAPABILITIES)
-RUNTIME = ("slave.py", "interface.py", "floats.py")
+RUNTIME = ("slave.py", "refusal.py", "interface.py", "floats.py")
 
 # pythonfmu's loader runs this text once more for every instance, and each time drops one reference too many
 # of the module's globals; a module without functions of its own would lose them at once, any other in time.
@@ -62,6 +62,11 @@ def resources(model: ModuleType) -> dict[str, bytes]:
     for source in PYTHONFMU.glob("*.py"):
         files[f"pythonfmu/{source.name}"] = source.read_text()
     return {f"resources/{name}": text.encode() for name, text in files.items()}
+
+
+def versions() -> dict[str, str]:
+    """What decides on the FMU's bytes beside CasADi."""
+    return {"pythonfmu": version("pythonfmu")}
 
 
 def files(model: ModuleType, trace: Trace) -> dict[str, bytes]:

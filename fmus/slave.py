@@ -1,33 +1,17 @@
 """The pythonfmu side of a model: a generic co-simulation slave around its pure functions.
 
-Travels inside every FMU of the Python flavour.
+Travels inside every FMU of the Python flavour. What it refuses it refuses with an exception (see `refusal`).
 """
 from math import inf, isfinite
 from types import ModuleType, SimpleNamespace
 
-from pythonfmu.enums import Fmi2Status
 from pythonfmu.fmi2slave import Fmi2Slave
 
 from . import floats
-from .interface import Variable, internal_steps, names, variables
+from .interface import GIVEN, internal_steps, names, variables
+from .refusal import Refused, out_of_range, refusing
 
 MOST_INTERNAL_STEPS = 1e7
-
-
-def with_unit(v: Variable, value: float) -> str:
-    """A value with its unit, angles in degrees."""
-    return f"{v.displayed(value):.6g}{v.unit_suffix}"
-
-
-def out_of_range(v: Variable, value: float) -> str | None:
-    """Why `value` may not stand for `v`, or None."""
-    if not isfinite(value):
-        return f"{v.name} = {value} is not a finite number"
-    if v.minimum is not None and value < v.minimum:
-        return f"{v.name} = {with_unit(v, value)} is below its minimum {with_unit(v, v.minimum)}"
-    if v.maximum is not None and value > v.maximum:
-        return f"{v.name} = {with_unit(v, value)} is above its maximum {with_unit(v, v.maximum)}"
-    return None
 
 
 class ModelSlave(Fmi2Slave):  # type: ignore[misc]
@@ -58,133 +42,155 @@ class ModelSlave(Fmi2Slave):  # type: ignore[misc]
 
     # --- values -----------------------------------------------------------------------------------
 
+    @refusing
     def get_real(self, vrs: list[int]) -> list[float | bool | None]:
-        """fmi2GetReal. Raises KeyError as `get_values` does."""
+        """fmi2GetReal. Raises Refused as `get_values` does."""
         return self.get_values(vrs, "Real")
 
+    @refusing
     def get_boolean(self, vrs: list[int]) -> list[bool]:
-        """fmi2GetBoolean. Raises KeyError as `get_values` does."""
+        """fmi2GetBoolean. Raises Refused as `get_values` does."""
         return [bool(value) for value in self.get_values(vrs, "Boolean")]
 
+    @refusing
     def get_integer(self, vrs: list[int]) -> list[int]:
-        """fmi2GetInteger. Raises KeyError for any variable."""
+        """fmi2GetInteger. Raises Refused for any variable."""
         self.none_of(vrs, "Integer")
         return []
 
+    @refusing
     def get_string(self, vrs: list[int]) -> list[str]:
-        """fmi2GetString. Raises KeyError for any variable."""
+        """fmi2GetString. Raises Refused for any variable."""
         self.none_of(vrs, "String")
         return []
 
     def get_values(self, vrs: list[int], kind: str) -> list[float | bool | None]:
-        """Values of variables of this type. Raises KeyError for a variable of another."""
-        if self.stale:
-            self.initialise()
+        """Values of variables of this type. Raises Refused for a variable of another, and where the model cannot
+        start."""
         values, known = self.values, self.of_type[kind]
         for vr in vrs:
             if vr not in known:
-                raise KeyError(f"value reference {vr} is no {kind} of {self.model.NAME}")
+                raise Refused(f"value reference {vr} is no {kind} of {self.model.NAME}")
+        if self.stale and any(self.table[vr].causality not in GIVEN for vr in vrs):
+            self.initialise()
         return [values[vr] for vr in vrs]
 
+    @refusing
     def set_real(self, vrs: list[int], values: list[float]) -> None:
-        """fmi2SetReal. Raises as `set_values` does."""
+        """fmi2SetReal. Raises Refused as `set_values` does."""
         self.set_values(vrs, values, "Real")
 
+    @refusing
     def set_boolean(self, vrs: list[int], values: list[bool]) -> None:
-        """fmi2SetBoolean. Raises as `set_values` does."""
+        """fmi2SetBoolean. Raises Refused as `set_values` does."""
         self.set_values(vrs, [bool(value) for value in values], "Boolean")
 
+    @refusing
     def set_integer(self, vrs: list[int], values: list[int]) -> None:
-        """fmi2SetInteger. Raises KeyError for any variable."""
+        """fmi2SetInteger. Raises Refused for any variable."""
         self.none_of(vrs, "Integer")
 
+    @refusing
     def set_string(self, vrs: list[int], values: list[str]) -> None:
-        """fmi2SetString. Raises KeyError for any variable."""
+        """fmi2SetString. Raises Refused for any variable."""
         self.none_of(vrs, "String")
 
     def set_values(self, vrs: list[int], values: list[float] | list[bool], kind: str) -> None:
-        """Set inputs and parameters of this type. Raises KeyError for a variable of another, and as `set_parameter`
-        does."""
+        """Set inputs and parameters of this type, all or none. Raises Refused as `settable` and `set_inputs` do."""
         for vr, value in zip(vrs, values):
-            if vr not in self.of_type[kind]:
-                raise KeyError(f"value reference {vr} is no {kind} of {self.model.NAME}")
-            if vr in self.inputs:
-                self.set_input(self.inputs[vr], value)
+            self.settable(vr, value, kind)
+        bad = {}
+        for vr, value in zip(vrs, values):
+            name = self.table[vr].name
+            if vr in self.parameters:
+                setattr(self.p, name, value)
+            elif isfinite(value):
+                setattr(self.u, name, value)
+                self.refused.pop(name, None)
             else:
-                self.set_parameter(vr, value)
+                bad[name] = f"{name} = {value} is not a finite number"
+                continue
+            self.values[vr] = value
+            self.stale = self.phase != "stepping"
+        self.refused |= bad
+        for reason in bad.values():
+            raise Refused(f"{reason} and was refused at t = {self.time:.6g} s")
+
+    def settable(self, vr: int, value: float, kind: str) -> None:
+        """Raises Refused where a variable may not be set (now), or is a parameter and `value` out of its range."""
+        if vr not in self.of_type[kind]:
+            raise Refused(f"value reference {vr} is no {kind} of {self.model.NAME}")
+        v = self.table[vr]
+        if v.causality not in GIVEN:
+            what = "an output" if v.causality == "output" else "a calculated parameter"
+            raise Refused(f"{v.name} is {what} and may not be set")
+        if v.causality == "parameter" and self.phase in ("stepping", "terminated"):
+            raise Refused(f"{v.name} is fixed: it may be set before the end of initialisation only")
+        if self.phase == "terminated":
+            raise Refused(f"{v.name} may not be set after termination")
+        reason = out_of_range(v, value) if v.causality == "parameter" else None
+        if reason:
+            raise Refused(reason)
 
     def none_of(self, vrs: list[int], kind: str) -> None:
-        """Raises KeyError where there are `vrs`: no model has variables of this type."""
+        """Raises Refused where there are `vrs`: no model has variables of this type."""
         if vrs:
-            raise KeyError(f"{self.model.NAME} has no {kind} variables")
-
-    def set_input(self, v: Variable, value: float) -> None:
-        """An input that is not a finite number is refused: the old value stays and the next step is not taken."""
-        if isfinite(value):
-            setattr(self.u, v.name, value)
-            self.values[v.value_reference] = value
-            self.refused.pop(v.name, None)
-            self.stale = self.phase != "stepping"
-        else:
-            self.refused[v.name] = f"{v.name} = {value} is not a finite number"
-            self.log(f"{self.refused[v.name]} and was refused at t = {self.time:.6g} s", Fmi2Status.discard)
-
-    def set_parameter(self, vr: int, value: float) -> None:
-        """Raises PermissionError where the variable may not be set (now), ValueError for a value out of range."""
-        v = self.parameters.get(vr)
-        if v is None:
-            raise PermissionError(f"{self.table[vr].name} is an {self.table[vr].causality} and may not be set")
-        if self.phase == "stepping":
-            raise PermissionError(f"{v.name} is fixed: it may be set before the end of initialisation only")
-        reason = out_of_range(v, value)
-        if reason:
-            raise ValueError(reason)
-        setattr(self.p, v.name, value)
-        self.values[vr] = value
-        self.stale = True
+            raise Refused(f"value reference {vrs[0]} is no {kind} of {self.model.NAME}")
 
     # --- life cycle -------------------------------------------------------------------------------
 
-    def allow(self, call: str, phase: str) -> None:
-        """Raises RuntimeError where `call` comes in another phase than this."""
+    def allow(self, phase: str, otherwise: str) -> None:
+        """Raises Refused with the sentence `otherwise` in another phase than this."""
         if self.phase != phase:
-            raise RuntimeError(f"{call} is not allowed while {self.model.NAME} is {self.phase}")
+            raise Refused(otherwise)
 
+    @refusing
     def setup_experiment(self, start_time: float, stop_time: float | None = None,
                          tolerance: float | None = None) -> None:
-        """fmi2SetupExperiment, times in s. Raises RuntimeError as `allow` does."""
-        self.allow("fmi2SetupExperiment", "instantiated")
+        """fmi2SetupExperiment, times in s. Raises Refused as `allow` does, and for times that are none."""
+        self.allow("instantiated", "the experiment can be set up before initialisation only")
+        if not isfinite(start_time):
+            raise Refused(f"start time {start_time} s is not a finite number")
+        if stop_time is not None and not stop_time >= start_time:
+            raise Refused(f"stop time {stop_time:.6g} s is not after start time {start_time:.6g} s")
         self.time = start_time
         self.stop_time = inf if stop_time is None else stop_time
+        self.stale = True
 
+    @refusing
     def enter_initialization_mode(self) -> None:
-        """fmi2EnterInitializationMode. Raises RuntimeError as `allow` does."""
-        self.allow("fmi2EnterInitializationMode", "instantiated")
+        """fmi2EnterInitializationMode. Raises Refused as `allow` does."""
+        self.allow("instantiated", "initialisation can begin once, after instantiation or reset")
         self.phase = "initialising"
 
+    @refusing
     def exit_initialization_mode(self) -> None:
-        """fmi2ExitInitializationMode. Raises RuntimeError as `allow` does, ValueError where the model cannot start."""
-        self.allow("fmi2ExitInitializationMode", "initialising")
-        if self.refused:
-            raise ValueError(next(iter(self.refused.values())))
-        self.initialise()
+        """fmi2ExitInitializationMode. Raises Refused as `allow` does, and where the model cannot start."""
+        self.allow("initialising", "initialisation cannot end, it has not begun")
+        for reason in self.refused.values():
+            raise Refused(reason)
+        if self.stale:
+            self.initialise()
         self.phase = "stepping"
 
+    @refusing
     def terminate(self) -> None:
-        """fmi2Terminate."""
+        """fmi2Terminate. Raises Refused as `allow` does."""
+        self.allow("stepping", f"{self.model.NAME} can be terminated only after initialisation, and once")
         self.phase = "terminated"
 
     def initialise(self) -> None:
         """Take the state and outputs that the inputs and parameters set so far lead to.
 
-        Raises ValueError where the model cannot have them.
+        Raises Refused where the model cannot have them.
         """
-        x = self.model.start(floats, self.u, self.p)
-        reason = self.accept(x, self.time)
+        try:
+            reason = self.accept(self.model.start(floats, self.u, self.p), self.time)
+        except (ArithmeticError, ValueError) as error:
+            reason = f"the state cannot be computed ({error})"
         if reason:
-            raise ValueError(f"{self.model.NAME} cannot start: {reason}")
+            raise Refused(f"{self.model.NAME} cannot start: {reason}")
         self.stale = False
-        self.prepared = None
 
     def accept(self, x: list[float], time: float) -> str | None:
         """Take `x` and the outputs it gives as the state at `time`, or return why not."""
@@ -213,47 +219,54 @@ class ModelSlave(Fmi2Slave):  # type: ignore[misc]
         self.prepared = step, count, h, c
         return self.prepared
 
+    @refusing
     def do_step(self, current_time: float, step_size: float) -> bool:
-        """Step the model, or say why not and stay. Raises RuntimeError outside of the stepping phase."""
-        if self.phase != "stepping":
-            raise RuntimeError(f"{self.model.NAME} can step only between initialisation and termination")
+        """Step the model. Raises Refused with the reason where that cannot be done, and then stays where it is."""
+        self.allow("stepping", f"{self.model.NAME} can step only between initialisation and termination")
+        at = f" at t = {current_time:.6g} s"
         if not (isfinite(step_size) and step_size > 0):
-            return self.discard(f"communication step {step_size} s is not a positive number", current_time)
-        if self.refused:
-            return self.discard(next(iter(self.refused.values())), current_time)
-        if current_time + step_size > self.stop_time + 1e-6 * step_size:  # steps may be summed up
-            return self.discard(f"a step of {step_size:.6g} s would go past the stop time {self.stop_time:.6g} s",
-                                current_time)
+            raise Refused(f"communication step {step_size} s is not a positive number{at}")
+        if not isfinite(current_time):
+            raise Refused(f"the communication point is not a finite number{at}")
+        for wrong in self.refused.values():
+            raise Refused(wrong + at)
+        end = current_time + step_size
+        if end > self.stop_time + 1e-6 * step_size:  # steps may be summed up
+            raise Refused(f"a step to t = {end:.6g} s would go past the stop time {self.stop_time:.6g} s")
         prepared = self.prepared
         if prepared is None or prepared[0] != step_size:
             prepared = self.prepare(step_size)
         if prepared is None:
-            return self.discard(f"communication step {step_size} s takes too many internal steps", current_time)
-        _, count, h, c = prepared
+            raise Refused(f"communication step {step_size} s takes too many internal steps{at}")
+        reason = self.advance(current_time, *prepared)
+        if reason:
+            raise Refused(f"{reason} at t = {end:.6g} s")
+        return True
+
+    def advance(self, time: float, step: float, count: int, h: float, c: list[float]) -> str | None:
+        """Take the state `step` seconds after `time`, in `count` steps of `h`, or return why not."""
         x, u, p, advance = self.x, self.u, self.p, self.model.advance
         try:
             for i in range(count):
-                x = advance(floats, current_time + i * h, h, x, u, p, c)
-            reason = self.accept(x, current_time + step_size)
+                x = advance(floats, time + i * h, h, x, u, p, c)
+            return self.accept(x, time + step)
         except (ArithmeticError, ValueError) as error:
-            reason = f"the state cannot be computed ({error})"
-        return True if reason is None else self.discard(reason, current_time + step_size)
-
-    def discard(self, reason: str, time: float) -> bool:
-        """Say why a step is not taken."""
-        self.log(f"{reason} at t = {time:.6g} s", Fmi2Status.discard)
-        return False
+            return f"the state cannot be computed ({error})"
 
     # --- state ------------------------------------------------------------------------------------
 
+    @refusing
     def _get_fmu_state(self) -> dict[str, object]:
         """All that changes while the FMU runs, as pythonfmu keeps and pickles it."""
-        return {"x": list(self.x), "u": dict(vars(self.u)), "p": dict(vars(self.p)), "time": self.time,
-                "stop_time": self.stop_time, "values": list(self.values.values()), "phase": self.phase,
-                "stale": self.stale, "refused": dict(self.refused)}
+        return {"of": type(self).__module__, "x": list(self.x), "u": dict(vars(self.u)), "p": dict(vars(self.p)),
+                "time": self.time, "stop_time": self.stop_time, "values": list(self.values.values()),
+                "phase": self.phase, "stale": self.stale, "refused": dict(self.refused)}
 
+    @refusing
     def _set_fmu_state(self, state: dict) -> None:  # type: ignore[type-arg]
-        """Go back to a state of `_get_fmu_state`."""
+        """Go back to a state of `_get_fmu_state`. Raises Refused for a state of another FMU."""
+        if state.get("of") != type(self).__module__:
+            raise Refused(f"the state given is none of this {self.model.NAME}, or was changed")
         self.x = list(state["x"])
         self.u, self.p = SimpleNamespace(**state["u"]), SimpleNamespace(**state["p"])
         self.values = dict(enumerate(state["values"]))
@@ -261,3 +274,12 @@ class ModelSlave(Fmi2Slave):  # type: ignore[misc]
         self.phase, self.stale = state["phase"], state["stale"]
         self.refused = dict(state["refused"])
         self.prepared = None
+
+    @staticmethod
+    def _fmu_state_from_bytes(data: bytes) -> dict:  # type: ignore[type-arg]
+        """A serialised state. What is none becomes a state that `_set_fmu_state` refuses: here no exception is safe."""
+        try:
+            state = Fmi2Slave._fmu_state_from_bytes(data)
+        except ValueError:
+            state = None
+        return state if isinstance(state, dict) else {}

@@ -10,6 +10,7 @@ from casadi import (  # noqa: F401
     fmax,
     fmin,
     if_else,
+    log,
     logic_and,
     logic_or,
     sin,

@@ -62,7 +62,7 @@ def in_turn(master: Master) -> Array:
 def scale(file: FmuFile, name: str, seen: float) -> float:
     """The magnitude of a variable: its nominal value, or else the largest value `seen`, or else 1."""
     nominal = file.variable(name).nominal
-    return abs(float(nominal)) if nominal else seen if seen > ZERO else 1.0
+    return abs(nominal) if nominal else seen if seen > ZERO else 1.0
 
 
 def at_rest(system: System, files: dict[str, FmuFile], watched: list[str], step: float, settle: float,
@@ -137,7 +137,7 @@ class Alone:
         else:
             master = self.load()
             part = master.number[self.component]
-            if master.instances[part].cosimulation.canGetAndSetFMUstate:
+            if master.instances[part].claims("canGetAndSetFMUstate"):
                 master.run(P.program([P.row(P.SAVE, part)]), 0, 1, 0.0, 0.0)
                 self.snapshot = master.snapshot()
         names = [c.name for c in master.columns]

@@ -12,7 +12,7 @@ def campaign(path: Path, out: Path | None = None, scheduler: str | None = None, 
              workers: int | None = None) -> dict[str, Any]:
     """Fly the campaign in the file at `path` and write its results; a summary as JSON goes.
 
-    Raises UsageError before anything flies if the file cannot be; RunError if the cluster was lost.
+    Raises UsageError before any run flies if the file cannot be flown; RunError if the cluster was lost.
     """
     began = time.perf_counter()
     plan = load(path)
@@ -31,7 +31,8 @@ def campaign(path: Path, out: Path | None = None, scheduler: str | None = None, 
 def fly(plan: Any, store: Store, scheduler: str | None, workers: int | None) -> tuple[int, float]:
     """What is missing; (rows that were flown, seconds that took)."""
     from .engine import CONTINUE, Engine, connected, send
-    from .progress import shown
+    from .nominal import check
+    from .progress import note, shown
 
     total = plan.campaign.runs * len(plan.laws)
     rows, successes = store.counts()
@@ -40,6 +41,8 @@ def fly(plan: Any, store: Store, scheduler: str | None, workers: int | None) -> 
         if rows < total:
             with connected(scheduler, workers) as client:
                 send(client, plan)
+                for sentence in check(client, plan) if rows == 0 else ():
+                    note(sentence)
                 began = time.perf_counter()
                 with shown(plan.campaign.name, total, rows, successes, client.dashboard_link) as progress:
                     Engine(client, plan, store, progress).run()

@@ -9,7 +9,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from .criteria import METRICS
-from .statistics import Results, wilson
+from .statistics import Results, interval
 
 WIDTH = 9.0
 POINTS = 2000      # of a scatter plot
@@ -37,13 +37,13 @@ def probability(results: list[Results]) -> Figure:
     made, axes = figure(0.8 + 0.5 * len(results))
     axis = axes[0, 0]
     for i, r in enumerate(results):
-        p, (low, high) = r.successes / r.runs, wilson(r.successes, r.runs)
+        p, (low, high) = r.probability or 0.0, interval(r.successes, r.judged)
         axis.barh(i, p, color=f"C{i}", alpha=0.6)
         axis.errorbar(p, i, xerr=[[max(0.0, p - low)], [max(0.0, high - p)]], color="k", capsize=6)
     axis.set_yticks(range(len(results)), [r.law for r in results])
     axis.invert_yaxis()
     axis.set_xlim(0, 1)
-    axis.set_xlabel("probability of success, 95 % interval")
+    axis.set_xlabel("success, share of the judged runs, with 95 % interval")
     axis.grid(True, axis="x", alpha=0.3)
     return made
 

@@ -52,7 +52,7 @@ class Job:
 @dataclass(frozen=True)
 class Plan:
     """A campaign that has been checked; times in s."""
-    path: Path
+    source: Source
     campaign: Campaign
     scenario: Scenario
     stop: float
@@ -62,6 +62,11 @@ class Plan:
     fmus: dict[str, Path]                 # SHA256/FILE.fmu -> the file
     fingerprint: dict[str, Any]           # what determines the rows
     runs_per_task: int
+
+    @property
+    def path(self) -> Path:
+        """The campaign file."""
+        return self.source.path
 
     @property
     def laws(self) -> list[str]:
@@ -136,7 +141,7 @@ def make(campaign: Campaign, source: Source) -> Plan:
     job = Job(hashlib.sha256(json.dumps(fingerprint, sort_keys=True).encode()).hexdigest(), systems, record,
               campaign.step, ticks, campaign.algorithm, campaign.success, campaign.timeout_s,
               draws, sampler, campaign.signals.share, campaign.signals.failures, campaign.signals.decimate)
-    return Plan(source.path, campaign, scenario, stop, loops, fixed, job, fmus, fingerprint, runs_per_task)
+    return Plan(source, campaign, scenario, stop, loops, fixed, job, fmus, fingerprint, runs_per_task)
 
 
 def beside(path: Path, scenario: str) -> str:

@@ -1,4 +1,4 @@
-"""A progress bar on stderr while a campaign runs, if stderr is a terminal."""
+"""What a campaign says on stderr while it runs: sentences, and a progress bar if stderr is a terminal."""
 import sys
 import time
 from collections.abc import Iterator
@@ -31,3 +31,8 @@ def shown(title: str, total: int, rows: int, successes: int, dashboard: str) -> 
             bar.update(task, completed=rows, rates=f"{rate:.1f} runs/s, {100 * successes / rows:.1f} % successes")
 
         yield update
+
+
+def note(sentence: str) -> None:
+    """A sentence that a reader should know although the campaign goes on."""
+    print(f"ahv: {sentence}", file=sys.stderr, flush=True)

@@ -10,7 +10,7 @@ import pyarrow.parquet as pq
 from . import charts
 from .plan import Plan
 from .rerun import command
-from .statistics import Results, paired, with_differences
+from .statistics import JUDGED, Results, interval_text, paired, with_differences
 from .store import Store
 
 STYLE = """
@@ -25,15 +25,16 @@ pre { background: #f4f4f4; padding: .5em; font-size: 12px; white-space: pre-wrap
 .note { color: #555; }
 """
 EXPLAINED = {
-    "probability": ("Success", "Bars: share of runs that reached the end and met every criterion. Lines: 95 % "
-                    "confidence interval (Wilson)."),
+    "probability": ("Success", "Bars: share of the judged runs that reached the end and met every criterion. "
+                    "Lines: an interval of {interval}."),
     "envelopes": ("Errors over time", "Plant minus reference, of the first {envelope} runs of each law at most: at "
                   "each time over the runs that still fly then, so curves calm down as failures leave."),
-    "histograms": ("How far off", "All runs, failures too, each as far as it flew."),
+    "histograms": ("How far off", "All judged runs, failures too, each as far as it flew."),
     "drivers": ("What drives the failures", "Spearman's rank correlation of failure (0 or 1), and of {metric}, with "
-                "each dispersion. A phase has no order: its bar is the multiple correlation with sine and cosine, "
-                "never negative; differences of two phases stand beside the phases."),
-    "scatter": ("{metric} against each dispersion, {law}", "The first {points} runs at most; the twelve strongest."),
+                "each dispersion, over the judged runs. A phase has no order: its bar is the multiple correlation "
+                "with sine and cosine, never negative; differences of two phases stand beside the phases."),
+    "scatter": ("{metric} against each dispersion, {law}", "The first {points} judged runs at most; the "
+                "twelve strongest."),
 }
 
 
@@ -52,6 +53,7 @@ def write(store: Store) -> dict[str, Any]:
     summary = {
         "campaign": plan.campaign.name, "scenario": plan.scenario.name, "runs": plan.campaign.runs,
         "seed": plan.campaign.seed, "sampling": plan.campaign.sampling, "success": plan.campaign.success,
+        "judged": list(JUDGED), "interval": interval_text(plan.campaign.sampling),
         "controllers": {r.law: r.summary(draws, metric) for r in results},
         "paired": {f"{a.law} and {b.law}": paired(a, b) for i, a in enumerate(results) for b in results[i + 1:]}}
     (folder / "report.json").write_text(json.dumps(summary, indent=2) + "\n")
@@ -62,7 +64,8 @@ def write(store: Store) -> dict[str, Any]:
 def page(plan: Plan, summary: dict[str, Any], results: list[Results], pictures: dict[str, bytes]) -> str:
     """report.html."""
     campaign = plan.campaign
-    names = {"envelope": min(campaign.runs, 2000), "metric": plan.worst_by, "points": charts.POINTS}
+    names = {"envelope": min(campaign.runs, 2000), "metric": plan.worst_by, "points": charts.POINTS,
+             "interval": interval_text(campaign.sampling)}
     parts = [f"<h1>Campaign {escape(campaign.name)}</h1>", introduction(plan), side_by_side(summary)]
     for name, png in pictures.items():
         kind, _, law = name.partition("_")
@@ -71,6 +74,7 @@ def page(plan: Plan, summary: dict[str, Any], results: list[Results], pictures: 
                      f"<img alt='{escape(title, quote=True)}' src='data:image/png;base64,"
                      f"{base64.b64encode(png).decode()}'>")
     parts += [worst(plan, r) for r in results]
+    parts += [not_judged(plan, r) for r in results if r.others.num_rows]
     return ("<!doctype html><html lang=en><head><meta charset=utf-8><meta name=viewport content='width=device-width'>"
             f"<link rel=icon href='data:,'><title>Campaign {escape(campaign.name)}</title><style>{STYLE}</style></head>"
             f"<body>{''.join(parts)}</body></html>\n")
@@ -118,16 +122,25 @@ def side_by_side(summary: dict[str, Any]) -> str:
     found = summary["controllers"]
     statuses = sorted({s for law in found.values() for s in law["statuses"]})
     rows: list[list[Any]] = [
-        ["successes", *(f"{x['successes']:,} of {x['runs']:,}" for x in found.values())],
-        ["probability of success", *(f"{100 * x['probability']:.2f} %" for x in found.values())],
+        ["successes", *(f"{x['successes']:,} of {x['judged']:,} judged" for x in found.values())],
+        ["probability of success", *(percent(x["probability"]) for x in found.values())],
         ["95 % interval", *("{:.2f} to {:.2f} %".format(*(100 * p for p in x["interval_95"])) for x in found.values())],
+        *([f"failures of the {whose}", *(f"{x['failures'][whose]:,}" for x in found.values())]
+          for whose in ("law", "machinery")),
         *([status, *(f"{x['statuses'].get(status, 0):,}" for x in found.values())] for status in statuses)]
     for name in charts.HISTOGRAMS:
         for key in ("median", "p95"):
             rows.append([f"{name}, {key}", *(x["metrics"].get(name, {}).get(key, "") for x in found.values())])
     pairs = "".join(f"<p>{escape(both)} on the same draws: {escape(counts_text(counts))}.</p>"
                     for both, counts in summary["paired"].items())
-    return "<h2>The laws side by side</h2>" + table(["", *found], rows) + pairs
+    return ("<h2>The laws side by side</h2><p class=note>Runs that finished or departed are judged. A run that could "
+            "not start, took too long or crashed is a failure of the machinery: it says nothing of the law.</p>"
+            + table(["", *found], rows) + pairs)
+
+
+def percent(share: float | None) -> str:
+    """A share in per cent."""
+    return "unknown" if share is None else f"{100 * share:.2f} %"
 
 
 def counts_text(counts: dict[str, int]) -> str:
@@ -136,12 +149,23 @@ def counts_text(counts: dict[str, int]) -> str:
 
 
 def worst(plan: Plan, r: Results) -> str:
-    """The ten worst runs of a law, each with the command that repeats it."""
+    """The ten worst of a law's judged runs."""
+    return (f"<h2>The worst ten, {escape(r.law)}</h2><p class=note>What did not reach the end, the earliest first; "
+            f"then by {escape(plan.worst_by)}. Each command repeats its run.</p>"
+            + commands(plan, r.worst(plan.worst_by)))
+
+
+def not_judged(plan: Plan, r: Results) -> str:
+    """The first ten failures of the machinery."""
+    return (f"<h2>Failures of the machinery, {escape(r.law)}</h2><p class=note>The first ten of {r.others.num_rows:,}. "
+            "Each command repeats its run.</p>" + commands(plan, r.others.slice(0, 10).to_pylist()))
+
+
+def commands(plan: Plan, runs: list[dict[str, Any]]) -> str:
+    """Runs with how they ended, and the command that repeats each."""
     rows = []
-    for row in r.worst(plan.worst_by):
+    for row in runs:
         ended = f"{row['status']}: {row['message']}" if row["message"] else row["status"]
         rows.append([str(row["run"]), ended, "" if row[plan.worst_by] is None else float(row[plan.worst_by]),
                      f"<pre>{escape(command(plan, row))}</pre>"])
-    return (f"<h2>The worst ten, {escape(r.law)}</h2><p class=note>What did not reach the end, the earliest first; "
-            f"then by {escape(plan.worst_by)}. Each command repeats its run.</p>"
-            + table(["run", "ended", plan.worst_by, "command"], rows, "commands"))
+    return table(["run", "ended", plan.worst_by, "command"], rows, "commands")

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 
 from ..master.system import Value
-from .spec import Choice, Correlation, LogNormal, Normal, Uniform
+from .spec import Choice, Correlation, Integer, LogNormal, Normal, Uniform
 
-Scalar = Uniform | Normal | LogNormal | Choice
+Scalar = Uniform | Integer | Normal | LogNormal | Choice
 EDGE = 2.0**-53     # a uniform draw stays off 0 and 1 by this
 DRAWS, SHARE = 0, 1  # streams of random numbers
 
@@ -42,21 +42,25 @@ class Draw:
             counts = [1.0] * len(d.values) if d.weights is None else d.weights
             ends = (np.cumsum(counts) - 0.5 * np.array(counts))[np.array(counts) > 0] / sum(counts)
             return [self.value(float(u)) for u in ends]
-        bounded = isinstance(d, Uniform) or (isinstance(d, Normal) and None not in (d.low, d.high))
+        bounded = isinstance(d, Uniform | Integer) or (isinstance(d, Normal) and None not in (d.low, d.high))
         return [self.value(u) for u in ((0.0, 1.0) if bounded else (0.5,))]
 
 
 def quantile(d: Scalar, u: float) -> Value:
     """The value of a distribution at the probability `u`."""
-    from scipy.special import ndtr, ndtri
+    from scipy.special import ndtri
+    from scipy.stats import truncnorm  # accurate in both tails, however far out
 
     if isinstance(d, Uniform):
         return d.low + u * (d.high - d.low)
+    if isinstance(d, Integer):
+        return float(d.low + min(math.floor(u * (d.high - d.low + 1)), d.high - d.low))
+    if isinstance(d, Normal) and d.low is d.high is None:
+        return d.mean + d.std * float(ndtri(u))
     if isinstance(d, Normal):
-        low = 0.0 if d.low is None else float(ndtr((d.low - d.mean) / d.std))
-        high = 1.0 if d.high is None else float(ndtr((d.high - d.mean) / d.std))
-        found = d.mean + d.std * float(ndtri(low + u * (high - low)))
-        return min(max(found, -math.inf if d.low is None else d.low), math.inf if d.high is None else d.high)
+        low, high = -math.inf if d.low is None else d.low, math.inf if d.high is None else d.high
+        found = float(truncnorm.ppf(u, (low - d.mean) / d.std, (high - d.mean) / d.std, d.mean, d.std))
+        return min(max(found, low), high)
     if isinstance(d, LogNormal):
         return d.median * math.exp(d.sigma * float(ndtri(u)))
     weights = np.cumsum([1.0] * len(d.values) if d.weights is None else d.weights)
@@ -107,29 +111,46 @@ class Sampler:
     mixings: tuple[Mixing, ...] = ()
 
     @cached_property
-    def points(self) -> np.ndarray:
-        """All runs' points, for sequences that come as a whole."""
+    def hypercube(self) -> np.ndarray:
+        """All runs' points of a Latin hypercube, which comes as a whole only; shape (runs, dimensions)."""
         from scipy.stats import qmc
 
-        rng = np.random.default_rng(self.seed)
-        if self.sampling == "latin-hypercube":
-            return qmc.LatinHypercube(self.dimensions, rng=rng).random(self.runs)
+        return qmc.LatinHypercube(self.dimensions, rng=np.random.default_rng(self.seed)).random(self.runs)
+
+    def sobol(self, first: int, last: int) -> np.ndarray:
+        """A part of the scrambled sequence; shape (last - first, dimensions)."""
+        from scipy.stats import qmc
+
+        sequence = qmc.Sobol(self.dimensions, rng=np.random.default_rng(self.seed))
+        if first:
+            sequence.fast_forward(first)
         with warnings.catch_warnings():  # any number of points is allowed here; powers of 2 are best
             warnings.simplefilter("ignore", UserWarning)
-            return qmc.Sobol(self.dimensions, rng=rng).random(self.runs)
+            return sequence.random(last - first)
+
+    def points(self, first: int, last: int) -> np.ndarray:
+        """The points of runs first ... last - 1, correlated; shape (last - first, dimensions)."""
+        if self.sampling == "random":
+            found = np.array([stream(self.seed, k, DRAWS).random(self.dimensions) for k in range(first, last)])
+        else:
+            found = self.sobol(first, last) if self.sampling == "sobol" else self.hypercube[first:last]
+        found = np.clip(found, EDGE, 1 - EDGE)
+        for u in found:
+            self.correlate(u)
+        return found
 
     def uniforms(self, k: int) -> np.ndarray:
-        """Run k's point, correlated."""
+        """Run k's point, shape (dimensions,)."""
+        return self.points(k, k + 1)[0]
+
+    def correlate(self, u: np.ndarray) -> None:
+        """Correlate the numbers of one point."""
         from scipy.special import ndtr, ndtri
 
-        random = self.sampling == "random"
-        u = stream(self.seed, k, DRAWS).random(self.dimensions) if random else self.points[k].copy()
-        u = np.clip(u, EDGE, 1 - EDGE)
         for group in self.mixings:
             members = list(group.members)
             scores = ndtri(u[members])
             u[members] = np.clip(ndtr([float((row * scores).sum()) for row in group.root]), EDGE, 1 - EDGE)
-        return u
 
 
 def keeps_signals(seed: int, k: int, share: float) -> bool:

@@ -1,4 +1,5 @@
 """The campaign file's models. `docs/campaigns.md` says it in words."""
+import math
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
@@ -7,6 +8,7 @@ from .criteria import Criterion
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
+Whole = Annotated[int, Field(strict=True)]  # neither 1.0 nor true
 Name = Annotated[str, Field(pattern=r"^\w+\.[^\s=]+$")]  # component.variable
 
 
@@ -23,6 +25,19 @@ class Uniform(Strict):
 
     @model_validator(mode="after")
     def ordered(self) -> "Uniform":
+        if not self.low < self.high:
+            raise ValueError("low must be below high")
+        return self
+
+
+class Integer(Strict):
+    """A whole number from `low` to `high`, each equally likely."""
+    distribution: Literal["integer"]
+    low: Annotated[Whole, Field(ge=-2**53, le=2**53)]
+    high: Annotated[Whole, Field(ge=-2**53, le=2**53)]
+
+    @model_validator(mode="after")
+    def ordered(self) -> "Integer":
         if not self.low < self.high:
             raise ValueError("low must be below high")
         return self
@@ -58,14 +73,14 @@ class Choice(Strict):
 
     @model_validator(mode="after")
     def weighted(self) -> "Choice":
-        if self.weights is not None and (len(self.weights) != len(self.values) or sum(self.weights) <= 0):
-            raise ValueError("weights must be one for each of values, and not all 0")
+        if self.weights is not None and (len(self.weights) != len(self.values) or not 0 < sum(self.weights) < math.inf):
+            raise ValueError("weights must be one for each of values, with a finite sum above 0")
         if len({str if isinstance(v, str) else bool if isinstance(v, bool) else float for v in self.values}) > 1:
             raise ValueError("values must be all numbers, all truths or all words")
         return self
 
 
-Scalar = Annotated[Uniform | Normal | LogNormal | Choice, Field(discriminator="distribution")]
+Scalar = Annotated[Uniform | Integer | Normal | LogNormal | Choice, Field(discriminator="distribution")]
 
 
 class Sinusoid(Strict):
@@ -93,6 +108,10 @@ class DispersedUniform(Uniform, Options):
     """A uniform dispersion."""
 
 
+class DispersedInteger(Integer, Options):
+    """A dispersion with whole numbers."""
+
+
 class DispersedNormal(Normal, Options):
     """A normal dispersion."""
 
@@ -111,8 +130,8 @@ class DispersedChoice(Choice, Options):
         return self
 
 
-Dispersion = Annotated[DispersedUniform | DispersedNormal | DispersedLogNormal | DispersedChoice | Sinusoid,
-                       Field(discriminator="distribution")]
+Dispersion = Annotated[DispersedUniform | DispersedInteger | DispersedNormal | DispersedLogNormal | DispersedChoice
+                       | Sinusoid, Field(discriminator="distribution")]
 
 
 class Correlation(Strict):
@@ -143,7 +162,7 @@ class Signals(Strict):
     share: float = Field(default=0.0, ge=0, le=1)
     failures: bool = False
     record: list[str] = Field(default=[], description="component.variable, * for any; none: what metrics need")
-    decimate: int = Field(default=10, ge=1)
+    decimate: Whole = Field(default=10, ge=1)
 
 
 class Campaign(Strict):
@@ -158,8 +177,8 @@ class Campaign(Strict):
     stop: Positive | None = None
     algorithm: str = "gauss-seidel"
     set: dict[Name, Finite | bool | str] = {}
-    runs: int = Field(ge=1, le=100_000_000)
-    seed: int = Field(ge=0, lt=2**63)
+    runs: Whole = Field(ge=1, le=100_000_000)
+    seed: Whole = Field(ge=0, lt=2**63)
     sampling: Literal["random", "latin-hypercube", "sobol"] = "random"
     dispersions: dict[Name, Dispersion] = Field(min_length=1)
     correlations: list[Correlation] = []
@@ -167,7 +186,7 @@ class Campaign(Strict):
     worst_by: str | None = Field(default=None, description="a metric; else the first that success names")
     signals: Signals = Signals()
     timeout_s: Positive = 60.0
-    runs_per_task: int | None = Field(default=None, ge=1)
+    runs_per_task: Whole | None = Field(default=None, ge=1)
 
     @field_validator("controllers", mode="before")
     @classmethod

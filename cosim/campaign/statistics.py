@@ -10,38 +10,45 @@ import pyarrow.compute
 from .criteria import METRICS
 
 MOST_PHASES = 6
-Z_95 = 1.959963984540054
+JUDGED = ("finished", "departed")  # statuses that say something of the law; the others are failures of the machinery
 
 
-def wilson(successes: int, runs: int) -> tuple[float, float]:
-    """95 % confidence interval of a probability (Wilson's score interval)."""
+def interval_text(sampling: str) -> str:
+    """What `interval` is worth with a kind of sampling."""
+    text = "at least 95 % confidence (Clopper and Pearson, for independent draws)"
+    return text if sampling == "random" else \
+        f"{text}; {sampling} draws lie more evenly, so that the interval is often wider than it need be"
+
+
+def interval(successes: int, runs: int) -> tuple[float, float]:
+    """An interval that covers the probability of success with at least 95 %, if the draws are independent of each other
+    or lie more evenly than that.
+
+    Clopper and Pearson's: Wilson's can cover as little as 84 % where success or failure is rare.
+    """
+    from scipy.stats import binomtest
+
     if runs == 0:
         return 0.0, 1.0
-    p, z2 = successes / runs, Z_95**2
-    middle = (p + z2 / (2 * runs)) / (1 + z2 / runs)
-    half = Z_95 / (1 + z2 / runs) * (p * (1 - p) / runs + z2 / (4 * runs**2))**0.5
-    return (0.0 if successes == 0 else middle - half), (1.0 if successes == runs else middle + half)
-
-
-def correlation(x: np.ndarray, y: np.ndarray) -> float:
-    """Pearson's; 0 where one does not vary."""
-    a, b = x - x.mean(), y - y.mean()
-    size = float(np.sqrt((a @ a) * (b @ b)))
-    return float(a @ b) / size if size > 0 else 0.0
+    found = binomtest(successes, runs).proportion_ci(0.95, method="exact")
+    return float(found.low), float(found.high)
 
 
 def rank_correlation(name: str, x: np.ndarray, y: np.ndarray) -> float:
-    """Spearman's; for a phase, which has no order, the multiple correlation of y's ranks with its sine and cosine."""
-    from scipy.stats import rankdata
+    """Spearman's; for a phase, which has no order, the multiple correlation of y's ranks with its sine and cosine.
+
+    0 where x or y does not vary, or fewer than three pairs are finite.
+    """
+    from scipy.stats import rankdata, spearmanr
 
     ok = np.isfinite(x) & np.isfinite(y)
-    if ok.sum() < 3:
+    x, y = x[ok], y[ok]
+    if ok.sum() < 3 or np.ptp(x) == 0 or np.ptp(y) == 0:
         return 0.0
-    x, ranks = x[ok], rankdata(y[ok])
     if not name.endswith("_sine_phase"):
-        return correlation(rankdata(x), ranks)
-    c, s, cs = correlation(np.cos(x), ranks), correlation(np.sin(x), ranks), correlation(np.cos(x), np.sin(x))
-    return float(np.sqrt(min(1.0, max(0.0, (c * c + s * s - 2 * c * s * cs) / max(1 - cs * cs, 1e-12)))))
+        return float(spearmanr(x, y).statistic)
+    ranks, waves = rankdata(y), np.column_stack([np.ones_like(x), np.cos(x), np.sin(x)])
+    return float(min(1.0, np.std(waves @ np.linalg.lstsq(waves, ranks)[0]) / np.std(ranks)))
 
 
 def with_differences(table: pa.Table, draws: list[str]) -> tuple[pa.Table, list[str]]:
@@ -56,31 +63,45 @@ def with_differences(table: pa.Table, draws: list[str]) -> tuple[pa.Table, list[
 
 @dataclass
 class Results:
-    """The rows of one law, as arrays."""
+    """The rows of one law. What is said of the law is said of the judged runs: those that finished or departed."""
     law: str
-    columns: dict[str, np.ndarray]
-    table: pa.Table
+    columns: dict[str, np.ndarray]  # of the judged runs
+    table: pa.Table                 # of the judged runs
+    others: pa.Table                # the failures of the machinery
 
     @classmethod
     def of(cls, law: str, table: pa.Table) -> "Results":
         """The rows of `law` in a table of all laws."""
         mine = table.filter(pa.compute.equal(table["controller"], law))
-        return cls(law, {f.name: mine[f.name].to_numpy() for f in mine.schema
-                         if pa.types.is_floating(f.type) or pa.types.is_boolean(f.type)}, mine)
+        known = pa.compute.is_in(mine["status"], pa.array(JUDGED))
+        judged = mine.filter(known)
+        return cls(law, {f.name: judged[f.name].to_numpy() for f in judged.schema
+                         if pa.types.is_floating(f.type) or pa.types.is_boolean(f.type)},
+                   judged, mine.filter(pa.compute.invert(known)))
 
     @property
     def runs(self) -> int:
-        """How many runs were flown."""
+        """How many runs there are, failures of the machinery too."""
+        return self.judged + int(self.others.num_rows)
+
+    @property
+    def judged(self) -> int:
+        """How many runs finished or departed."""
         return int(self.table.num_rows)
 
     @property
     def successes(self) -> int:
-        """How many of them were successes."""
+        """How many runs were successes."""
         return int(self.columns["success"].sum())
+
+    @property
+    def probability(self) -> float | None:
+        """The share of successes of the judged runs; None without any."""
+        return self.successes / self.judged if self.judged else None
 
     def statuses(self) -> dict[str, int]:
         """How many runs ended with each status."""
-        counts = self.table["status"].value_counts().to_pylist()
+        counts = [c for t in (self.table, self.others) for c in t["status"].value_counts().to_pylist()]
         return {c["values"]: c["counts"] for c in sorted(counts, key=lambda c: str(c["values"]))}
 
     def drivers(self, draws: list[str], metric: str) -> dict[str, dict[str, float]]:
@@ -95,25 +116,27 @@ class Results:
         """Rows: those that did not end first, by how early that was, then by `metric`."""
         finished = np.array([s == "finished" for s in self.table["status"].to_pylist()])
         ended = np.where(finished, np.inf, np.nan_to_num(self.columns["departed_at_s"], nan=0.0))
-        order = np.lexsort((np.arange(self.runs), -np.nan_to_num(self.columns[metric]), ended))
+        order = np.lexsort((np.arange(self.judged), -np.nan_to_num(self.columns[metric]), ended))
         return list(self.table.take(order[:count]).to_pylist())
 
     def summary(self, draws: list[str], metric: str) -> dict[str, Any]:
         """The numbers of report.json for this law."""
-        low, high = wilson(self.successes, self.runs)
         quantiles = {}
         for name in METRICS:
             values = self.columns[name][np.isfinite(self.columns[name])]
             if len(values):
                 quantiles[name] = {"median": float(np.median(values)), "p95": float(np.quantile(values, 0.95)),
                                    "max": float(values.max())}
-        return {"runs": self.runs, "successes": self.successes, "probability": self.successes / self.runs,
-                "interval_95": [low, high], "statuses": self.statuses(), "metrics": quantiles,
-                "drivers": self.drivers(draws, metric)}
+        return {"runs": self.runs, "judged": self.judged, "successes": self.successes,
+                "failures": {"law": self.judged - self.successes, "machinery": self.runs - self.judged},
+                "probability": self.probability, "interval_95": list(interval(self.successes, self.judged)),
+                "statuses": self.statuses(), "metrics": quantiles, "drivers": self.drivers(draws, metric)}
 
 
 def paired(a: Results, b: Results) -> dict[str, int]:
-    """How two laws did on the same draws."""
-    first, second = (r.columns["success"].astype(bool) for r in (a, b))
+    """How two laws did on the same draws, where both were judged."""
+    both, i, j = np.intersect1d(a.table["run"].to_numpy(), b.table["run"].to_numpy(), True, True)
+    first, second = a.columns["success"][i].astype(bool), b.columns["success"][j].astype(bool)
     return {"both": int((first & second).sum()), f"only {a.law}": int((first & ~second).sum()),
-            f"only {b.law}": int((~first & second).sum()), "neither": int((~first & ~second).sum())}
+            f"only {b.law}": int((~first & second).sum()), "neither": int((~first & ~second).sum()),
+            "not judged": a.runs - len(both)}

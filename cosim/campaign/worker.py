@@ -63,8 +63,7 @@ class Outcome:
 
 def requests(job: Job, first: int, last: int) -> Iterator[Request]:
     """Runs first ... last - 1, of each law."""
-    for k in range(first, last):
-        u = job.sampler.uniforms(k)
+    for k, u in zip(range(first, last), job.sampler.points(first, last)):
         keep = keeps_signals(job.sampler.seed, k, job.keep_share)
         for law in job.systems:
             drawn = draw(job.draws[law], u)
@@ -162,6 +161,11 @@ class LoadedSystems:
         if law in self.masters:
             self.masters.pop(law)[1].close()
 
+    def drop_dead(self, law: str) -> None:
+        """Unload the system of a law if an FMU of it answered Fatal: no function of that FMU may be called then."""
+        if law in self.masters and not all(instance.alive for instance in self.masters[law][0].instances):
+            self.drop(law)
+
     def close(self) -> None:
         """Unload all systems."""
         for law in list(self.masters):
@@ -185,8 +189,8 @@ class LoadedSystems:
         except Exception as error:
             self.drop(request.law)
             return Outcome(request, "error", f"{type(error).__name__}: {error}")
-        if not all(instance.alive for instance in master.instances):
-            self.drop(request.law)
+        finally:
+            self.drop_dead(request.law)
         status = "finished" if flight.finished else "timed-out" if late else "departed"
         return self.outcome(request, flight, status)
 
@@ -226,24 +230,34 @@ TURN = threading.Lock()        # FMUs fly one at a time in a process, however ma
 NOWHERE = open(os.devnull, "w")  # noqa: SIM115
 
 
-def fly_batch(key: str, first: int, last: int, positions: list[int] | None = None) -> list[Outcome]:
-    """Fly runs first ... last - 1 of the job `key`, one after the other, or those of them at `positions`."""
+def loaded(key: str) -> LoadedSystems:
+    """The systems of the job `key`; those of another job are unloaded."""
     from distributed import get_worker
 
-    job, folder = JOBS[key], work_folder(get_worker())
-    asked = list(requests(job, first, last))
+    if not LOADED or LOADED[0].job.key != key:
+        for other in LOADED:
+            other.close()
+        LOADED[:] = [LoadedSystems(JOBS[key], work_folder(get_worker()))]
+    return LOADED[0]
+
+
+def fly_batch(key: str, first: int, last: int, positions: list[int] | None = None) -> list[Outcome]:
+    """Fly runs first ... last - 1 of the job `key`, one after the other, or those of them at `positions`."""
+    asked = list(requests(JOBS[key], first, last))
     with TURN:
-        if not LOADED or LOADED[0].job.key != key:
-            for loaded in LOADED:
-                loaded.close()
-            LOADED[:] = [LoadedSystems(job, folder)]
-        return [guarded(LOADED[0], asked[i]) for i in (range(len(asked)) if positions is None else positions)]
+        return [guarded(loaded(key), asked[i]) for i in (range(len(asked)) if positions is None else positions)]
 
 
-def guarded(loaded: LoadedSystems, request: Request) -> Outcome:
+def fly_nominal(key: str, law: str) -> Outcome:
+    """Fly a law of the job `key` with nothing drawn; no signals."""
+    with TURN:
+        return replace(guarded(loaded(key), Request(-1, law, {}, {}, keep=False, envelope=False)), signals=None)
+
+
+def guarded(systems: LoadedSystems, request: Request) -> Outcome:
     """Fly one run. An FMU call that does not return ends this process: it cannot be ended otherwise."""
-    faulthandler.dump_traceback_later(loaded.job.timeout_s + PATIENCE_S, exit=True, file=NOWHERE)
+    faulthandler.dump_traceback_later(systems.job.timeout_s + PATIENCE_S, exit=True, file=NOWHERE)
     try:
-        return loaded.fly(request)
+        return systems.fly(request)
     finally:
         faulthandler.cancel_dump_traceback_later()

@@ -3,7 +3,9 @@
 Words and JSON keys are a contract. Errors are one sentence on stderr: exit status 1 for a run that failed, 2 for a
 request that cannot be carried out.
 """
+import os
 import re
+import signal
 import sys
 from typing import Annotated
 
@@ -34,15 +36,30 @@ def ahv(version: Annotated[bool, typer.Option("--version", callback=show_version
 
 
 def main() -> None:
-    """Entry point: errors become one sentence on stderr and an exit status."""
+    """Entry point of the program: its exit status, with SIGTERM as an end that removes temporary files."""
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
+    keep_output_apart()
+    sys.exit(done(sys.argv[1:]))
+
+
+def done(words: list[str]) -> int:
+    """Carry out a command line: errors become one sentence on stderr; the exit status."""
     try:
-        app(args=with_factor(sys.argv[1:]))
+        app(args=with_factor(words))
     except UsageError as error:
-        sys.exit(complain(error, 2))
+        return complain(error, 2)
     except RunError as error:
-        sys.exit(complain(error, 1))
+        return complain(error, 1)
     except ModuleNotFoundError as error:
-        sys.exit(complain(f"{error}. `make setup` installs all packages.", 2))
+        return complain(f"{error}. `make setup` installs all packages.", 2)
+    return 0
+
+
+def keep_output_apart() -> None:
+    """What an FMU prints goes to standard error: standard output is for our answers alone."""
+    ours = os.dup(1)
+    os.dup2(2, 1)
+    sys.stdout = os.fdopen(ours, "w", encoding=sys.stdout.encoding, errors=sys.stdout.errors)
 
 
 def with_factor(words: list[str]) -> list[str]:

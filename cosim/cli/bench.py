@@ -22,5 +22,5 @@ def bench(
     script = FOLDER / SCRIPTS[choice("what", what, SCRIPTS)]
     if not script.is_file():
         raise UsageError(f"There is no {script}: measurements come with the sources, not with the package.")
-    if subprocess.run([sys.executable, script, *context.args]).returncode:
+    if subprocess.run([sys.executable, script, *context.args], stdout=sys.stdout).returncode:
         raise RunError(f"The measurement {what} failed, see above.")

@@ -32,6 +32,10 @@ def table(summary: dict[str, Any]) -> dict[str, Any]:
     rows: dict[str, Any] = {"campaign": summary["campaign"]}
     for law, found in summary["controllers"].items():
         low, high = found["interval_95"]
-        rows[f"success, {law}"] = (f"{100 * found['probability']:.2f} % ({100 * low:.2f} to {100 * high:.2f}), "
-                                   f"{found['successes']:,} of {found['runs']:,}")
-    return {**rows, "wall_s": summary["wall_s"], "report": summary["report"]}
+        share = "unknown" if found["probability"] is None else f"{100 * found['probability']:.2f} %"
+        rows[f"success, {law}"] = (f"{share} ({100 * low:.2f} to {100 * high:.2f}), {found['successes']:,} of "
+                                   f"{found['judged']:,} judged runs")
+        if found["failures"]["machinery"]:
+            rows[f"not judged, {law}"] = f"{found['failures']['machinery']:,} of {found['runs']:,} runs: " + ", ".join(
+                f"{status} {count:,}" for status, count in found["statuses"].items() if status not in summary["judged"])
+    return {**rows, "interval": summary["interval"], "wall_s": summary["wall_s"], "report": summary["report"]}

@@ -4,13 +4,14 @@ from pathlib import Path
 
 from ..master.unpack import BadArchive, safe_extract
 from . import dynamic, rules  # noqa: F401  (importing the rules registers them)
+from .confined import Limits
 from .reading import Unusable, read
 from .report import Finding, Report
 from .rule import STATIC_CHECKS
 from .subject import Fault, Fmu
 
 
-def check(path: Path, run_probes: bool, time_limit: float, cycles: int) -> Report:
+def check(path: Path, run_probes: bool, limits: Limits, cycles: int) -> Report:
     """See `cosim.conformance.check`."""
     report = Report(Path(path))
     with tempfile.TemporaryDirectory(prefix="ahv-check-", ignore_cleanup_errors=True) as work:
@@ -25,7 +26,7 @@ def check(path: Path, run_probes: bool, time_limit: float, cycles: int) -> Repor
             report.add(problem.rule, problem.fault)
             return report
         check_static(fmu, report)
-        check_dynamic(fmu, report, Path(work), run_probes, time_limit, cycles)
+        check_dynamic(fmu, report, Path(work), run_probes, limits, cycles)
     return report
 
 
@@ -38,7 +39,7 @@ def check_static(fmu: Fmu, report: Report) -> None:
             report.add(name, fault)
 
 
-def check_dynamic(fmu: Fmu, report: Report, work: Path, run_probes: bool, time_limit: float, cycles: int) -> None:
+def check_dynamic(fmu: Fmu, report: Report, work: Path, run_probes: bool, limits: Limits, cycles: int) -> None:
     """Add what the probes find, or why they were not run."""
     if not run_probes:
         report.skip("everything dynamic", "not asked for")
@@ -47,7 +48,7 @@ def check_dynamic(fmu: Fmu, report: Report, work: Path, run_probes: bool, time_l
     elif any(prevents_running(finding) for finding in report.findings):
         report.skip("everything dynamic", "the description or the binary is too broken to run the FMU by it")
     else:
-        dynamic.run(fmu, report, work, time_limit, cycles)
+        dynamic.run(fmu, report, work, limits, cycles)
 
 
 def prevents_running(finding: Finding) -> bool:

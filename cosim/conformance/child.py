@@ -1,6 +1,6 @@
-"""The child process: loads the FMU, runs the probes one after the other, and writes one JSON line for each event.
+"""The child process: loads the FMU, runs the probes one after the other, and answers one JSON line for each event.
 
-    python -m cosim.conformance.child JOB.json RESULTS.jsonl MARK
+    python -m cosim.conformance.child LIMITS MARK       (the job comes by its standard input, see confined.py)
 
 A crash or a hang ends this process only. The parent then knows the probe from the last "begin" line and the call from
 the mark, and starts a new child for the remaining probes.
@@ -9,15 +9,16 @@ import sys
 from pathlib import Path
 
 from . import probes  # noqa: F401  (importing the probes registers them)
+from .confined import guarded
 from .fmi2 import DISCARD, FATAL, PENDING, Mark
 from .job import Job
 from .probes.bench import PROBES, Bench, CallFailed, NoInstance
 
 
-def main(job_file: str, results: str, mark: str) -> None:
-    """Run the probes of the job until one needs a fresh process."""
-    job = Job.read(Path(job_file))
-    bench = Bench(job, Mark(Path(mark)), Path(results))
+def work(text: str, answers: int) -> None:
+    """Run the probes of the job until one needs a fresh process; lines go to the file descriptor `answers`."""
+    job = Job.read(text)
+    bench = Bench(job, Mark(Path(sys.argv[2])), answers)
     for name in job.probes:
         bench.note("begin", name)
         is_loaded = loads(bench)
@@ -68,4 +69,4 @@ def report_failure(bench: Bench, name: str, failure: CallFailed) -> None:
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    guarded(work)

@@ -70,9 +70,24 @@ class Mark:
 
     @staticmethod
     def read(file: Path) -> tuple[int, str]:
-        """The counter and the name of the last call, for the parent."""
-        count, call = struct.unpack("<Q64s", file.read_bytes()[:MARK_BYTES])
-        return count, call.rstrip(b"\0").decode()
+        """The counter and the name of the last call, for the parent; no name if the FMU spoilt the file."""
+        try:
+            count, call = struct.unpack("<Q64s", file.read_bytes()[:MARK_BYTES])
+        except (OSError, struct.error):
+            return 0, "a call"
+        return count, call.rstrip(b"\0").decode("utf-8", "replace")
+
+
+def packed_references(references: Sequence[int]) -> Any:
+    """Value references as a C array."""
+    return (c_uint * len(references))(*references)
+
+
+def unpacked(base: str, packed: bytes | list[Value]) -> list[Value]:
+    """What `Instance.get_packed` gave, as values."""
+    if isinstance(packed, list):
+        return packed
+    return list((C_TYPES[base] * (len(packed) // ctypes.sizeof(C_TYPES[base]))).from_buffer_copy(packed))
 
 
 class Library:
@@ -158,6 +173,12 @@ class Instance:
         values = (C_TYPES[base] * len(references))()
         status = self.call(f"Get{base}", (c_uint * len(references))(*references), len(references), values)
         return status, list(values)
+
+    def get_packed(self, base: str, references: Any, count: int) -> tuple[int, bytes | list[Value]]:
+        """The same of packed references: its status, and the bytes of the values; for strings the values."""
+        values = (C_TYPES[base] * count)()
+        status = self.call(f"Get{base}", references, count, values)
+        return status, list(values) if base == "String" else bytes(values)
 
     def set(self, base: str, references: Sequence[int], values: Sequence[Value]) -> int:
         """fmi2SetReal, fmi2SetInteger, ... by `base`; its status."""

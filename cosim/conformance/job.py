@@ -1,7 +1,6 @@
 """What the parent tells the child about the FMU under test, as plain data that is sent as JSON."""
 import json
 from dataclasses import asdict, dataclass, field
-from pathlib import Path
 
 
 @dataclass(frozen=True)
@@ -41,8 +40,8 @@ class Job:
         return json.dumps(asdict(self))
 
     @staticmethod
-    def read(file: Path) -> "Job":
-        """The job in a file that has the text of `to_json`."""
-        data = json.loads(file.read_text("utf-8"))
+    def read(text: str) -> "Job":
+        """The job that `to_json` made a text of."""
+        data = json.loads(text)
         data["variables"] = [Known(**variable) for variable in data["variables"]]
         return Job(**data)

@@ -5,7 +5,7 @@ from xml.parsers import expat
 import fmpy
 from lxml import etree
 
-from .description import Description
+from ..master.description import Description, parsed
 from .rule import ERROR, declare
 from .subject import Fault, Fmu
 
@@ -34,9 +34,8 @@ def read(path: Path, folder: Path, members: list[str]) -> Fmu:
     """The FMU at `path` that is unpacked in `folder`. Raises Unusable if its modelDescription.xml cannot be read."""
     xml = model_description(folder, members)
     encoding = declared_encoding(xml)
-    parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False, remove_comments=True)
     try:
-        root = etree.fromstring(xml, parser)
+        root = parsed(xml)
     except etree.XMLSyntaxError as problem:
         raise Unusable("xml.well-formed", Fault("modelDescription.xml", str(problem), "well-formed XML")) from None
     version = root.get("fmiVersion")

@@ -1,6 +1,6 @@
 """What a check hands back: findings, what was not tested, and two ways to show them (a table, a JSON-able dict)."""
 from collections import Counter
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +10,7 @@ from ..text import html_table, html_text, printable
 from .rule import ERROR, RULES, SEVERITIES
 from .subject import Fault
 
+MOST_ROWS = 100
 COLOURS = {"error": "bold red", "warning": "yellow", "note": "dim"}
 
 
@@ -37,11 +38,19 @@ class Report:
     fmu: Path
     findings: list[Finding] = field(default_factory=list)
     not_tested: list[NotTested] = field(default_factory=list)
+    sandbox: str = ""  # what was around the FMU when it ran: bwrap, unshare, none; empty if it did not run
 
     def add(self, rule: str, fault: Fault, severity: str | None = None) -> None:
         """Note a breach of `rule`; a probe may state a milder `severity` than the rule's own."""
         known = RULES[rule]
         self.findings.append(Finding(rule, known.section, severity or known.severity, *map(printable, fault)))
+
+    def merge(self, rule: str) -> None:
+        """Make one finding of all findings of `rule`: the first, and how many more there are."""
+        same = [f for f in self.findings if f.rule == rule]
+        if len(same) > 1:
+            merged = replace(same[0], found=f"{same[0].found}; and {len(same) - 1} more such calls")
+            self.findings = [f for f in self.findings if f.rule != rule] + [merged]
 
     def skip(self, what: str, why: str) -> None:
         """Note that `what` was not tested."""
@@ -78,6 +87,7 @@ def to_dict(report: Report) -> dict[str, Any]:
         "counts": {severity: counts[severity] for severity in SEVERITIES},
         "findings": [asdict(f) for f in report.sorted_findings()],
         "not_tested": [asdict(n) for n in report.not_tested],
+        "sandbox": report.sandbox,
     }
 
 
@@ -87,19 +97,26 @@ def counted(report: Report) -> str:
 
 
 def findings_table(report: Report) -> Table:
-    """The findings as a table for a terminal (`rich.print` it)."""
+    """The findings as a table for a terminal (`rich.print` it): of one rule and severity the first MOST_ROWS."""
     table = Table(title=f"{report.fmu.name}: {counted(report)}", title_justify="left", show_lines=False)
     for heading in ("severity", "rule", "section", "variable", "found", "expected"):
         table.add_column(heading, overflow="fold")
+    seen: Counter[tuple[str, str]] = Counter()
     for f in report.sorted_findings():
-        severity = f"[{COLOURS[f.severity]}]{f.severity}[/]"
-        table.add_row(severity, f.rule, f.section, *map(without_markup, (f.variable, f.found, f.expected)))
+        seen[f.severity, f.rule] += 1
+        if seen[f.severity, f.rule] <= MOST_ROWS:
+            severity = f"[{COLOURS[f.severity]}]{f.severity}[/]"
+            table.add_row(severity, f.rule, f.section, *map(without_markup, (f.variable, f.found, f.expected)))
+    for (severity, rule), number in seen.items():
+        if number > MOST_ROWS:
+            table.add_row(severity, rule, "", f"{number - MOST_ROWS} more", "`ahv check --json` lists them", "")
     return table
 
 
 def not_tested_table(report: Report) -> Table:
     """What was not tested, and why, as a table for a terminal."""
-    table = Table(title=f"{report.fmu.name}: not tested", title_justify="left")
+    ran = f" (it ran in the sandbox: {report.sandbox})" if report.sandbox else ""
+    table = Table(title=f"{report.fmu.name}: not tested{ran}", title_justify="left")
     table.add_column("what")
     table.add_column("why", overflow="fold")
     for item in report.not_tested:

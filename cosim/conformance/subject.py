@@ -3,7 +3,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
 
-from .description import Description
+from ..master.description import Description
 
 
 class Fault(NamedTuple):
@@ -27,3 +27,9 @@ class Fmu:
     def identifier(self) -> str:
         """modelIdentifier of the co-simulation interface (4.3.1), which also names the binaries."""
         return (self.description.co_simulation or {}).get("modelIdentifier", "")
+
+    def library(self, platform: str, suffix: str) -> Path | None:
+        """The FMU's shared library for a platform, or None. It lies in the FMU, whatever modelIdentifier says."""
+        folder = self.folder / "binaries" / platform
+        file = folder / f"{self.identifier}{suffix}"
+        return file if "\0" not in self.identifier and file.parent == folder and file.is_file() else None

@@ -2,6 +2,9 @@
 
     system        what to fly, as data                  fmu           FMU files and their instances, through fmpy
     unpack        archives of unknown origin            dependencies  which output depends on which input
+    description   modelDescription.xml as data          declared      what it says of a variable
+    quantities    units and conversions                 parameter_set values of presets and of SSP files
+    xml_file      XML of SSP, validated                 notes         notes to the user on stderr
     initialise    from instantiated to ready to step    wiring        a loaded system as arrays
     program       what a tick does, as rows of numbers  loop_plain, loop_compiled   what carries programs out
     algorithms    Jacobi, Gauss-Seidel and others       loaded        a loaded system: initialise, run programs, reset

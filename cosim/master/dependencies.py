@@ -49,9 +49,10 @@ def strongly_connected(needs: Mapping[Node, Iterable[Node]]) -> list[list[Node]]
 def inputs_behind(file: FmuFile, initially: bool = False) -> dict[str, set[str]]:
     """Output -> the inputs on which it depends directly; all of them where the FMU does not say."""
     inputs = set(file.names("input"))
-    unknowns = file.description.initialUnknowns if initially else file.description.outputs
-    declared = {u.variable.name: inputs if u.dependencies is None else {v.name for v in u.dependencies} & inputs
-                for u in unknowns if u.variable is not None}
+    unknowns = file.description.initial_unknowns if initially else file.description.outputs
+    name_of = {v.index: v.name for v in file.description.variables}
+    declared = {name_of[u.index]: inputs if u.dependencies is None else inputs & {name_of[i] for i in u.dependencies}
+                for u in unknowns if u.index}
     return {name: declared.get(name, inputs) for name in file.names("output")}
 
 

@@ -250,6 +250,11 @@ def inquire(instance: Instance) -> dict[str, Any]:
 
 def origins(master: Master) -> dict[str, dict[str, str]]:
     """Which FMU files flew."""
-    return {c.name: {"file": str(c.fmu), "model": file.description.modelName or "", "guid": file.description.guid or "",
-                     "sha256": file.sha256, "generation_tool": file.description.generationTool or ""}
-            for c in master.system.components for file in [master.files[c.name]]}
+    found = {}
+    for component in master.system.components:
+        file = master.files[component.name]
+        said = file.description.attributes
+        found[component.name] = {"file": str(component.fmu), "model": said.get("modelName", ""),
+                                 "guid": said.get("guid", ""), "sha256": file.sha256,
+                                 "generation_tool": said.get("generationTool", "")}
+    return found

@@ -4,8 +4,6 @@ import hashlib
 import math
 import shutil
 import tempfile
-import xml.etree.ElementTree as ET
-import zipfile
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
@@ -22,17 +20,20 @@ from fmpy.fmi2 import (
     fmi2StepFinishedTYPE,
 )
 from fmpy.logging import addLoggerProxy
-from fmpy.model_description import ModelDescription, ScalarVariable
 
 from ..errors import RunError, UsageError, did_you_mean
+from ..text import printable
 from . import last_call
+from .declared import Variable
+from .description import Description, read, usable
+from .parameter_set import parameters
 from .quantities import in_unit_of
 from .system import Value
-from .unpack import BadArchive, safe_extract
+from .unpack import BadArchive, open_archive, read_member, safe_extract
+from .xml_file import SSV, parse
 
 OK, WARNING, DISCARD, ERROR, FATAL = range(5)
 STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
-SSV = "{http://ssp-standard.org/SSP1/SystemStructureParameterValues}"
 CTYPES = {"Real": ctypes.c_double, "Integer": ctypes.c_int, "Boolean": ctypes.c_int, "Enumeration": ctypes.c_int}
 SUFFIX = {"Real": "Real", "Integer": "Integer", "Enumeration": "Integer", "Boolean": "Boolean"}
 CALL_SUFFIX = {**SUFFIX, "String": "String"}
@@ -79,25 +80,24 @@ def preset(path: str | Path, name: str) -> dict[str, Value]:
     """
     path = existing(Path(path))
     try:
-        with zipfile.ZipFile(path) as archive:
+        with open_archive(path) as archive:
             members = {PurePosixPath(m).stem: m for m in sorted(archive.namelist())
                        if m.startswith("resources/presets/") and m.endswith(".ssv")}
-            if name not in members:
-                raise UsageError(f"{path.name} has no preset {name}; it has {', '.join(members) or 'none'}.")
-            root = ET.fromstring(archive.read(members[name]))
-    except (zipfile.BadZipFile, ET.ParseError) as error:
-        raise UsageError(f"{path} cannot be read as an FMU: {error}") from None
-    values: dict[str, Value] = {}
-    for parameter in root.iter(f"{SSV}Parameter"):
-        element = parameter[0]
-        text = element.get("value", "")
-        values[parameter.get("name", "")] = text == "true" if element.tag == f"{SSV}Boolean" else float(text)
-    return values
+        if name not in members:
+            raise UsageError(f"{path.name} has no preset {name}; it has {', '.join(members) or 'none'}.")
+        found = parse(read_member(path, members[name]), f"{members[name]} of {path.name}", SSV + "ParameterSet")
+        description = usable(read_member(path, "modelDescription.xml"))
+    except (BadArchive, ValueError) as error:
+        raise UsageError(f"{path} cannot be read as an FMU: {error}.") from None
+    variables = {v.name: v for v in description.variables}
+    return {key: given.for_variable(v, description.unit_of(v) if v else None, key)
+            for key, given in parameters(found) for v in [variables.get(key)]}
 
 
-def settable(v: ScalarVariable) -> bool:
+def settable(v: Variable) -> bool:
     """True if `v` may be set before initialisation (FMI 2.0 section 2.2.7)."""
-    return v.variability != "constant" and (v.causality in ("parameter", "input") or v.initial in ("exact", "approx"))
+    return v.variability != "constant" and (v.causality in ("parameter", "structuralParameter", "input")
+                                           or v.initial in ("exact", "approx"))
 
 
 @dataclass
@@ -105,12 +105,12 @@ class FmuFile:
     """An extracted FMU. Use as a context manager: the extraction folder goes with it."""
     path: Path
     folder: Path
-    description: ModelDescription
+    description: Description
     sha256: str
-    variables: dict[str, ScalarVariable] = field(init=False)
+    variables: dict[str, Variable] = field(init=False)
 
     def __post_init__(self) -> None:
-        self.variables = {v.name: v for v in self.description.modelVariables}
+        self.variables = {v.name: v for v in self.description.variables}
 
     @classmethod
     def open(cls, path: Path) -> "FmuFile":
@@ -122,17 +122,22 @@ class FmuFile:
         folder = Path(tempfile.mkdtemp(prefix="ahv_"))
         try:
             safe_extract(path, folder)
-            description = fmpy.read_model_description(str(folder), validate=False)
+            description = read(folder)
         except BadArchive as error:
             shutil.rmtree(folder, ignore_errors=True)
             raise UsageError(f"{path} cannot be opened: {error}.") from None
-        except Exception as error:  # fmpy raises whatever it meets
+        except ValueError as error:
             shutil.rmtree(folder, ignore_errors=True)
-            raise UsageError(f"{path} cannot be read as an FMU: {error}") from error
-        if description.fmiVersion != "2.0" or description.coSimulation is None:
+            raise UsageError(f"{path} cannot be read as an FMU: {error}.") from None
+        if description.version != "2.0" or description.co_simulation is None:
             shutil.rmtree(folder, ignore_errors=True)
-            raise UsageError(f"{path} is FMI {description.fmiVersion} or has no co-simulation interface; "
+            raise UsageError(f"{path} is FMI {description.version} or has no co-simulation interface; "
                              f"FMI 2.0 co-simulation is what runs here.")
+        identifier = description.coSimulation.modelIdentifier or ""
+        if not identifier.isprintable() or set(identifier) & set("/\\"):  # it names the library that is loaded
+            shutil.rmtree(folder, ignore_errors=True)
+            raise UsageError(f"{path} cannot be opened: its modelIdentifier '{printable(identifier)}' is no name of a "
+                             f"file in the FMU.")
         return cls(path, folder, description, hashlib.sha256(path.read_bytes()).hexdigest())
 
     def __enter__(self) -> "FmuFile":
@@ -145,15 +150,20 @@ class FmuFile:
         """Remove the extracted files."""
         shutil.rmtree(self.folder, ignore_errors=True)
 
-    def variable(self, name: str) -> ScalarVariable:
+    def variable(self, name: str) -> Variable:
         """The variable called `name`; UsageError suggests the nearest one if there is none."""
         if name not in self.variables:
             raise UsageError(f"{self.path.name} has no variable {name}{did_you_mean(name, self.variables)}")
         return self.variables[name]
 
+    @property
+    def identifier(self) -> str:
+        """modelIdentifier of the co-simulation interface, which also names the binaries."""
+        return (self.description.co_simulation or {}).get("modelIdentifier", "")
+
     def names(self, causality: str) -> list[str]:
         """The variables of a causality, in the order of the description."""
-        return [v.name for v in self.description.modelVariables if v.causality == causality]
+        return [v.name for v in self.description.variables if v.causality == causality]
 
     def preset(self, name: str) -> dict[str, Value]:
         """The values of a preset, see `preset`."""
@@ -178,8 +188,8 @@ class FmuFile:
             number = float(value)
         except (TypeError, ValueError):
             raise UsageError(f"{full} = {value} is not allowed: it must be a number.") from None
-        low = float(v.min) if v.min is not None else -math.inf
-        high = float(v.max) if v.max is not None else math.inf
+        low = -math.inf if v.min is None else v.min
+        high = math.inf if v.max is None else v.max
         if not math.isfinite(number) or not low <= number <= high:
             unit = f" {v.unit}" if v.unit and v.unit != "1" else ""
             raise UsageError(f"{full} = {value} is not allowed: it must be between {low:g} and {high:g}{unit}.")
@@ -200,13 +210,11 @@ class Instance:
         self.file, self.name = file, name
         self.alive, self.stepping, self.failed = True, False, False
         self.messages = MESSAGES[name] = []
-        description = file.description
-        assert description.coSimulation is not None
-        self.cosimulation = description.coSimulation
+        attributes = file.description.attributes
         last_call.note(f"{name} ({file.path.name}): fmi2Instantiate")
         try:
-            self.slave = FMU2Slave(guid=description.guid, unzipDirectory=str(file.folder), instanceName=name,
-                                   modelIdentifier=self.cosimulation.modelIdentifier)
+            self.slave = FMU2Slave(guid=attributes.get("guid", ""), unzipDirectory=str(file.folder), instanceName=name,
+                                   modelIdentifier=file.identifier)
             self.slave.instantiate(callbacks=CALLBACKS, loggingOn=True)
         except Exception as error:
             message = f" It said: {self.messages[-1]}" if self.messages else ""
@@ -214,6 +222,10 @@ class Instance:
         self.component = ctypes.c_void_p(self.slave.component)
         self.pointer = int(self.slave.component)
         self.do_step = self.function("fmi2DoStep", ctypes.c_double, ctypes.c_double, ctypes.c_int)
+
+    def claims(self, flag: str) -> bool:
+        """Whether the FMU claims a capability of co-simulation (FMI 2.0 section 4.3.1)."""
+        return self.file.description.claims(flag)
 
     def function(self, name: str, *argument_types: Any) -> Any:
         """A C function of the library that takes the instance first and returns a status."""
@@ -251,7 +263,7 @@ class Instance:
             group = [n for n in names if self.file.variable(n).type == kind]
             if not group:
                 continue
-            references = np.array([self.file.variables[n].valueReference for n in group], dtype=np.uint32)
+            references = np.array([self.file.variables[n].reference for n in group], dtype=np.uint32)
             buffer = np.zeros(len(group), dtype=np.float64 if kind == "Real" else np.int32)
             buffer[:] = [given[n] for n in group] if given else 0
             last_call.note(f"{self.name} ({self.file.path.name}): fmi2{verb}{SUFFIX[kind]}")
@@ -267,7 +279,7 @@ class Instance:
     def get_any(self, names: list[str]) -> list[Any]:
         """Values of variables of any type, strings too."""
         texts = [n for n in names if self.file.variable(n).type == "String"]
-        found = dict(zip(texts, self.slave.getString([self.file.variables[n].valueReference for n in texts]))
+        found = dict(zip(texts, self.slave.getString([self.file.variables[n].reference for n in texts]))
                      if texts else ())
         found = {n: x.decode("utf-8", "replace") if isinstance(x, bytes) else x for n, x in found.items()}
         numbers = [n for n in names if n not in found]
@@ -282,7 +294,7 @@ class Instance:
         """Set variables by name; values must have been through `FmuFile.checked`."""
         strings = {n: str(x) for n, x in values.items() if self.file.variable(n).type == "String"}
         if strings:
-            self.slave.setString([self.file.variables[n].valueReference for n in strings], list(strings.values()))
+            self.slave.setString([self.file.variables[n].reference for n in strings], list(strings.values()))
         numbers = {n: x for n, x in values.items() if n not in strings}
         self.transfer("Set", numbers, numbers.values())
 

@@ -1,23 +1,23 @@
 """What an FMU says of itself, of any FMI version: its variables, presets, platforms and capabilities."""
 import tempfile
 from dataclasses import asdict, dataclass
-from math import isfinite
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
-import fmpy
-from fmpy.model_description import ModelDescription, ScalarVariable
-
 from ..errors import UsageError, did_you_mean
 from ..text import html_table, html_text, printable, text_table
+from .declared import Variable as Declared
+from .declared import is_true, number
+from .description import Description, read
 from .fmu import settable
 from .system import Value, as_path
 from .unpack import BadArchive, safe_extract
 
-KINDS = {"coSimulation": "co-simulation", "modelExchange": "model exchange",
-         "scheduledExecution": "scheduled execution"}
+KINDS = {"CoSimulation": "co-simulation", "ModelExchange": "model exchange",
+         "ScheduledExecution": "scheduled execution"}
 CAUSALITIES = ("input", "output", "structuralParameter", "parameter", "calculatedParameter", "independent", "local")
+COUNTED = ("maxOutputDerivativeOrder", "fixedInternalStepSize", "recommendedIntermediateInputSmoothness")
 HEADINGS = ("name", "unit", "start", "min", "max", "description")
 
 
@@ -106,61 +106,53 @@ def info(path: str | PathLike[str]) -> FmuInfo:
     with tempfile.TemporaryDirectory(prefix="ahv_info_") as folder:
         try:
             members = safe_extract(path, Path(folder))
-            return described(path, fmpy.read_model_description(folder, validate=False), members)
+            return described(path, read(Path(folder)), members)
         except BadArchive as error:
             raise UsageError(f"{path} cannot be opened: {error}.") from None
-        except Exception as error:  # fmpy raises whatever it meets
-            raise UsageError(f"{path} cannot be read as an FMU: {printable(str(error))}") from None
+        except ValueError as error:
+            raise UsageError(f"{path} cannot be read as an FMU: {printable(str(error))}.") from None
 
 
-def described(path: Path, d: ModelDescription, members: list[str]) -> FmuInfo:
+def described(path: Path, d: Description, members: list[str]) -> FmuInfo:
     """The info of the FMU at `path` from its description and the names of its files."""
     places = [name.split("/") for name in members]
-    found = {kind: getattr(d, kind) for kind in KINDS if getattr(d, kind) is not None}
-    claims = vars_of(next(iter(found.values()), None))
-    experiment = d.defaultExperiment
-    times = {word: number(getattr(experiment, attribute, None)) for word, attribute in (
+    said = {word: d.attributes.get(word, "") for word in (
+        "modelName", "description", "version", "author", "copyright", "license", "generationTool",
+        "generationDateAndTime")}
+    old = "co-simulation" if d.root.find("Implementation") is not None else "model exchange"  # FMI 1.0
+    found = {old: {}} if d.version == "1.0" else {
+        kind: claims for tag, kind in KINDS.items() if (claims := d.attributes_at(tag)) is not None}
+    times = {word: number(d.experiment.get(attribute)) for word, attribute in (
         ("start", "startTime"), ("stop", "stopTime"), ("step", "stepSize"), ("tolerance", "tolerance"))}
     return FmuInfo(
-        path, d.modelName or "", d.description or "", d.fmiVersion or "", tuple(KINDS[k] for k in found),
-        d.version or "", d.author or "", d.copyright or "", d.license or "", d.generationTool or "",
-        d.generationDateAndTime or "",
+        path, said["modelName"], said["description"], d.version, tuple(found), said["version"], said["author"],
+        said["copyright"], said["license"], said["generationTool"], said["generationDateAndTime"],
         tuple(sorted({p[1] for p in places if p[0] == "binaries" and len(p) > 2})),
         {word: x for word, x in times.items() if x is not None},
-        {name: x if isinstance(x, bool) else float(x) for name, x in claims.items()},
+        claimed(next(iter(found.values()), {})),
         tuple(sorted(p[2].removesuffix(".ssv") for p in places
                      if p[:2] == ["resources", "presets"] and len(p) == 3 and p[2].endswith(".ssv"))),
-        tuple(variable(v) for v in d.modelVariables))
+        tuple(variable(v) for v in d.variables))
 
 
-def vars_of(interface: Any) -> dict[str, Any]:
-    """The capabilities that an interface claims: what differs from nothing, apart from its identifier."""
-    names = [a.name for a in getattr(type(interface), "__attrs_attrs__", ())]
-    return {name: value for name in names if name != "modelIdentifier" and (value := getattr(interface, name))}
+def claimed(interface: dict[str, str]) -> dict[str, float | bool]:
+    """The capabilities that an interface claims: its attributes that are true, or a number other than 0."""
+    values = {name: number(text) if name in COUNTED else is_true(text) for name, text in interface.items()}
+    return {name: value for name, value in values.items() if value}
 
 
-def variable(v: ScalarVariable) -> Variable:
+def variable(v: Declared) -> Variable:
     """A variable as the FMU declares it."""
-    names = ("unit", "displayUnit", "min", "max")  # the type's where the variable says nothing
-    either = {name: getattr(v, name, None) or getattr(v.declaredType, name, None) for name in names}
-    return Variable(v.name, v.causality, v.variability, v.type, either["unit"] or "", either["displayUnit"] or "",
-                    start(v), number(either["min"]), number(either["max"]), settable(v), v.description or "")
+    return Variable(v.name, v.causality, v.variability, v.type, v.unit, v.display_unit, start(v), v.min, v.max,
+                    settable(v), v.description)
 
 
-def start(v: ScalarVariable) -> Value | None:
+def start(v: Declared) -> Value | None:
     """The start value in the type of the variable; as a text if it is an array, or no such value."""
-    text: str | None = v.start
+    text = v.start
     if text is None or v.type in ("String", "Binary"):
         return text
     if v.type == "Boolean":
         return {"true": True, "1": True, "false": False, "0": False}.get(text.strip(), text)
     found = number(text)
     return text if found is None else found if v.type in ("Real", "Float32", "Float64") else int(found)
-
-
-def number(text: str | None) -> float | None:
-    """The finite number that `text` is, else None."""
-    try:
-        return found if text is not None and isfinite(found := float(text)) else None
-    except ValueError:
-        return None

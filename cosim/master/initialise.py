@@ -74,8 +74,8 @@ class Exchange:
         for batch in read:
             self.move(batch)
         numeric = [n for n in shown if not isinstance(self.known[n], str)]
-        nominal = np.array([abs(float(self.instances[n.partition(".")[0]].file.variable(n.partition(".")[2]).nominal
-                                      or 1.0)) for n in numeric])
+        nominal = np.array([abs(self.instances[n.partition(".")[0]].file.variable(n.partition(".")[2]).nominal or 1.0)
+                            for n in numeric])
         for _ in range(MOST_PASSES):
             before = self.numbers(numeric)
             for batch in given:  # each component's inputs, then at once its outputs

@@ -161,7 +161,7 @@ class Master:
 
     def cannot_save(self) -> list[str]:
         """Components that cannot save and restore their state."""
-        return [i.name for i in self.instances if not i.cosimulation.canGetAndSetFMUstate]
+        return [i.name for i in self.instances if not i.claims("canGetAndSetFMUstate")]
 
     def snapshot(self) -> list[np.ndarray]:
         """Copies of what a step changes here, to be given to `put_back`; the FMUs' own states are saved by programs."""

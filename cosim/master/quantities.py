@@ -1,15 +1,93 @@
-"""Numbers with units, as people write them: `2deg`, `7700 ft/s`, `2.3 km/s`."""
-import re
+"""Units, conversions between them, and numbers with units as people write them: `2deg`, `7700 ft/s`, `2.3 km/s`.
 
-from fmpy.model_description import ModelDescription, ScalarVariable
+FMI 2.0 (section 2.2.2) and SSP 1.0 define units alike: by a factor and an offset to SI base units.
+"""
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from math import isclose, isfinite
+from typing import TYPE_CHECKING, Any
 
 from ..errors import UsageError
 
+if TYPE_CHECKING:
+    from .declared import Variable
+    from .description import Description
+
 QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?+)\s*([^\d\s.+-].*?)\s*")
 BASE = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
+ROUNDING = 1e-9  # definitions that differ by less, relatively, are the same unit, written with fewer digits
 
 
-def in_unit_of(variable: ScalarVariable, description: ModelDescription, text: str, full: str) -> str:
+@dataclass(frozen=True)
+class DisplayUnit:
+    """display = factor * value + offset."""
+    name: str
+    factor: float = 1.0
+    offset: float = 0.0
+
+
+@dataclass(frozen=True)
+class Unit:
+    """value in SI base units = factor * value + offset; `exponents` of BASE are None where they are not known."""
+    name: str
+    factor: float = 1.0
+    offset: float = 0.0
+    exponents: tuple[int, ...] | None = None
+    displays: tuple[DisplayUnit, ...] = ()
+
+    def __str__(self) -> str:
+        """The unit with its definition, for messages about two of one name."""
+        if self.exponents is None:
+            return f"{self.name} (not defined)"
+        powers = " ".join(f"{name}{n}" for name, n in zip(BASE, self.exponents) if n) or "1"
+        return f"{self.name} ({self.factor:g} {powers}{f' + {self.offset:g}' if self.offset else ''})"
+
+
+def unit(name: str, base: Mapping[str, Any] | None, displays: Iterable[Mapping[str, Any]] = ()) -> Unit:
+    """From the attributes of a BaseUnit element and of DisplayUnit elements: FMI and SSP give it the same ones.
+
+    A definition with an attribute that is no finite number counts as none; so does a factor of 0.
+    """
+    shown = tuple(DisplayUnit(d.get("name", ""), *scaled) for d in displays if (scaled := scale(d)))
+    scaled = None if base is None else scale(base)
+    try:
+        exponents = tuple(int((base or {}).get(part, 0)) for part in BASE)
+    except ValueError:
+        scaled = None
+    return Unit(name, *scaled, exponents, shown) if scaled else Unit(name, displays=shown)
+
+
+def scale(attributes: Mapping[str, Any]) -> tuple[float, float] | None:
+    """(factor, offset) as an element has them; None if they cannot be used."""
+    try:
+        factor, offset = (float(attributes.get(key, default)) for key, default in (("factor", 1.0), ("offset", 0.0)))
+    except ValueError:
+        return None
+    return (factor, offset) if factor and isfinite(factor) and isfinite(offset) else None
+
+
+def conversion(source: Unit, target: Unit, relative: bool = False) -> tuple[float, float] | None:
+    """(factor, offset) from values in `source` to values in `target`; None if there is none.
+
+    Of a difference (`relative`) only the factor changes. A unit that is not defined is known by its name alone.
+    """
+    if source.exponents is None or target.exponents is None:
+        return (1.0, 0.0) if source.name == target.name else None
+    if source.exponents != target.exponents:
+        return None
+    same_size = isclose(source.factor, target.factor, rel_tol=ROUNDING)
+    same_origin = relative or isclose(source.offset, target.offset, rel_tol=ROUNDING)
+    return (1.0 if same_size else source.factor / target.factor,
+            0.0 if same_origin else (source.offset - target.offset) / target.factor)
+
+
+def between(one: Unit, other: Unit) -> tuple[str, str]:
+    """Two units as messages call them: with their definitions if they have one name."""
+    return (str(one), str(other)) if one.name == other.name else (one.name, other.name)
+
+
+def in_unit_of(variable: "Variable", description: "Description", text: str, full: str) -> str:
     """The number of `text` in the variable's unit, as text; `text` itself if it is no number with a unit.
 
     Known are the variable's unit, its display units, and the units of the FMU that measure the same. `full` names the
@@ -18,13 +96,12 @@ def in_unit_of(variable: ScalarVariable, description: ModelDescription, text: st
     found = None if is_number(text) or variable.type != "Real" else QUANTITY.fullmatch(text)
     if found is None:
         return text
-    number, unit = float(found[1]), found[2]
-    own = variable.unit or getattr(variable.declaredType, "unit", None)
-    known = conversions(description, own)
-    if unit not in known:
+    number, word = float(found[1]), found[2]
+    known = conversions(description, variable)
+    if word not in known:
         allowed = f"its unit is one of {', '.join(known)}" if known else "the FMU declares no unit for it"
         raise UsageError(f"{full} = {text} is not allowed: {allowed}.")
-    factor, offset = known[unit]
+    factor, offset = known[word]
     return repr(factor * number + offset)
 
 
@@ -37,27 +114,18 @@ def is_number(text: str) -> bool:
     return True
 
 
-def conversions(description: ModelDescription, own: str | None) -> dict[str, tuple[float, float]]:
-    """Unit -> (factor, offset) that lead from it to the unit called `own`."""
-    definitions = {unit.name: unit for unit in description.unitDefinitions}
-    if own not in definitions:
-        return {own: (1.0, 0.0)} if own else {}
-    target = definitions[own]
+def conversions(description: "Description", variable: "Variable") -> dict[str, tuple[float, float]]:
+    """Unit -> (factor, offset) that lead from it to the variable's unit."""
+    own = description.unit_of(variable)
+    if own is None:
+        return {}
     found: dict[str, tuple[float, float]] = {}
-    for unit in definitions.values():
-        if unit.name == own:
-            factor, offset = 1.0, 0.0
-        elif unit.baseUnit and target.baseUnit and dimension(unit.baseUnit) == dimension(target.baseUnit):
-            factor = unit.baseUnit.factor / target.baseUnit.factor
-            offset = (unit.baseUnit.offset - target.baseUnit.offset) / target.baseUnit.factor
-        else:
+    for other in {own.name: own, **description.units}.values():
+        change = (1.0, 0.0) if other.name == own.name else conversion(other, own, variable.relative)
+        if change is None:
             continue
-        found[unit.name] = factor, offset
-        for display in unit.displayUnits:  # display = display.factor * value + display.offset
-            found[display.name] = factor / display.factor, offset - factor * display.offset / display.factor
+        factor, offset = found[other.name] = change
+        for display in other.displays:  # of a difference the display unit's offset does not count either
+            shift = 0.0 if variable.relative else display.offset
+            found[display.name] = factor / display.factor, offset - factor * shift / display.factor
     return found
-
-
-def dimension(base: object) -> tuple[int, ...]:
-    """Exponents of the SI base units."""
-    return tuple(int(getattr(base, name) or 0) for name in BASE)

@@ -13,6 +13,7 @@ from typing import IO
 
 MAX_TOTAL_BYTES = 1 << 30  # 1 GiB unpacked; no FMU that a workstation can load is larger
 MAX_MEMBERS = 100_000
+MAX_MEMBER_BYTES = 100_000_000  # of one that is read into memory
 CHUNK_BYTES = 1 << 16
 
 
@@ -39,6 +40,28 @@ def safe_extract(archive: Path, folder: Path, max_total_bytes: int = MAX_TOTAL_B
         for member in members:
             budget -= unpack(file, member, folder, budget, max_total_bytes)
         return [member.filename for member in members]
+
+
+def read_member(archive: Path, name: str, most: int = MAX_MEMBER_BYTES) -> bytes:
+    """The content of one member of `archive`, without unpacking the others.
+
+    Raises BadArchive if it is not there, cannot be read, or has more than `most` bytes.
+    """
+    with open_archive(archive) as file:
+        try:
+            member = file.getinfo(name)
+        except KeyError:
+            raise BadArchive("archive.readable", f"there is no member '{short(name)}'") from None
+        refuse_unreadable([member])
+        try:
+            with file.open(member) as source:
+                content = source.read(most + 1)
+        except (zipfile.BadZipFile, zlib.error, EOFError, OSError, ValueError, NotImplementedError) as problem:
+            sentence = f"the member '{short(name)}' is truncated or damaged ({str(problem) or 'end of file'})"
+            raise BadArchive("archive.readable", sentence) from None
+    if len(content) > most:
+        raise too_large(f"the member '{short(name)}' has more", most)
+    return content
 
 
 def open_archive(archive: Path) -> zipfile.ZipFile:

@@ -14,9 +14,10 @@ from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
 
 import numpy as np
-from fmpy.model_description import ModelDescription, ScalarVariable
 
 from ..errors import UsageError
+from .declared import Variable
+from .description import Description
 from .fmu import CALL_SUFFIX, FmuFile, Instance
 from .program import REAL, TEXT, WHOLE
 from .system import Connection, System
@@ -37,16 +38,13 @@ class Signal:
     display_offset: float = 0.0
 
 
-def signal(name: str, description: ModelDescription, variable: ScalarVariable) -> Signal:
-    """What the FMU declares of `variable`, or of its type (FMI 2.0 section 2.2.7)."""
-    declared = variable.declaredType
-    unit = variable.unit or getattr(declared, "unit", None) or ""
-    wanted = variable.displayUnit or getattr(declared, "displayUnit", None)
-    display = next((d for u in description.unitDefinitions if u.name == unit for d in u.displayUnits
-                    if d.name == wanted), None)
-    declares = Signal(name, unit, variable.description or "")
-    return replace(declares, display_unit=display.name, display_factor=float(display.factor),
-                   display_offset=float(display.offset)) if display else declares
+def signal(name: str, description: Description, variable: Variable) -> Signal:
+    """What the FMU declares of `variable`. Offsets of display units do not apply to a difference."""
+    unit = description.unit_of(variable)
+    display = next((d for d in unit.displays if d.name == variable.display_unit), None) if unit else None
+    declares = Signal(name, variable.unit, variable.description)
+    return replace(declares, display_unit=display.name, display_factor=display.factor,
+                   display_offset=0.0 if variable.relative else display.offset) if display else declares
 
 
 @dataclass
@@ -120,7 +118,7 @@ def recorded_names(system: System, files: dict[str, FmuFile], patterns: list[str
 
     Raises UsageError for a pattern that fits nothing.
     """
-    known = {f"{c.name}.{v.name}": v for c in system.components for v in files[c.name].description.modelVariables
+    known = {f"{c.name}.{v.name}": v for c in system.components for v in files[c.name].description.variables
              if v.type != "String"}
     if patterns is None:
         return {name for name, v in known.items() if v.causality == "output"}
@@ -160,15 +158,15 @@ class Wirer:
         bounds, holder, nominal, smooth = [], [], [], []
         for number, instance in enumerate(self.instances):
             first = len(self.slot)
-            for v in instance.file.description.modelVariables:
+            for v in instance.file.description.variables:
                 name = f"{instance.name}.{v.name}"
                 if v.type == "String" and name in self.sources:
                     self.text[name] = len(self.text)
                 elif name in self.sources or name in self.recorded:
                     self.slot[name] = len(self.slot)
                     holder.append(number)
-                    nominal.append(abs(float(v.nominal or 1.0)) or 1.0)
-                    smooth.append(v.type == "Real" and v.variability in (None, "continuous"))
+                    nominal.append(abs(v.nominal or 1.0))
+                    smooth.append(v.type == "Real" and v.variability == "continuous")
                     if name in self.recorded:
                         w.columns.append(signal(name, instance.file.description, v))
             bounds.append((first, len(self.slot)))
@@ -185,7 +183,7 @@ class Wirer:
         """Add the groups of the component `number`, inputs and outputs of each type."""
         instance, w = self.instances[number], self.wiring
         full = instance.name + "."
-        declared = instance.file.description.modelVariables
+        declared = instance.file.description.variables
         inputs, outputs = [], []
         for suffix in ("Real", "Integer", "Boolean", "String"):
             mine = [v for v in declared if CALL_SUFFIX[v.type] == suffix]
@@ -211,13 +209,13 @@ class Wirer:
         """Add one group; `links` has slot, factor and offset of each of `names`."""
         instance = self.instances[number]
         group = Group(verb, suffix, number, names, len(self.rows), connected,
-                      suffix == "Real" and bool(instance.cosimulation.canInterpolateInputs))
+                      suffix == "Real" and instance.claims("canInterpolateInputs"))
         self.wiring.every_group.append(group)
         self.rows.append([instance.address(f"fmi2{verb}{suffix}"), instance.pointer, 0, len(names), 0,
                           len(self.links), KIND[suffix], number,
                           instance.address("fmi2SetRealInputDerivatives") if group.interpolates else 0, 0, 0])
         self.links += links
-        self.references += [instance.file.variables[n].valueReference for n in names]
+        self.references += [instance.file.variables[n].reference or 0 for n in names]
         return group
 
     def allocate(self, bounds: list[tuple[int, int]]) -> None:
@@ -246,7 +244,7 @@ class Wirer:
             for i in range(len(group.names)):
                 w.pointers[first + i] = w.texts.ctypes.data + LONGEST_TEXT * int(w.where[first + i])
         w.components = np.array([[i.pointer, i.address("fmi2DoStep"), *(
-            i.address(f"fmi2{call}FMUstate") if i.cosimulation.canGetAndSetFMUstate else 0
+            i.address(f"fmi2{call}FMUstate") if i.claims("canGetAndSetFMUstate") else 0
             for call in ("Get", "Set", "Free")), *span] for i, span in zip(self.instances, bounds)], np.int64)
 
 

@@ -2,7 +2,6 @@
 
     write        a system -> an SSP file                load         an SSP file -> a system
     structure    SystemStructure.ssd as data            connections  connections through nested systems
-    parameters   parameter sets and mappings            units        units and conversions
-    archive, xml zip and XML of unknown origin          simulate     `ahv simulate`
-    notes        notes to the user on stderr
+    parameters   parameter bindings and mappings        archive      archives of unknown origin
+    simulate     `ahv simulate`
 """

@@ -4,8 +4,8 @@ from dataclasses import dataclass, field
 from math import isfinite
 
 from ..errors import UsageError
+from ..master.quantities import Unit, between, conversion
 from .structure import Link, Point, Structure, called
-from .units import Unit, conversion
 
 UnitOf = Callable[[Point], Unit | None]
 
@@ -18,14 +18,17 @@ class Traced:
     factor: float = 1.0
     offset: float = 0.0
 
-    def through(self, link: Link, end: Unit | None) -> "Traced":
-        """Along a connection that ends in the unit `end`: first the conversion, then the linear transformation."""
+    def through(self, link: Link, end: Unit | None, relative: bool) -> "Traced":
+        """Along a connection that ends in the unit `end`: first the conversion, then the linear transformation.
+
+        Of a difference, if `relative`, only the unit's factor counts. Raises UsageError if there is no conversion.
+        """
         change = (1.0, 0.0)
         if link.converts and self.unit and end:
-            found = conversion(self.unit, end)
+            found = conversion(self.unit, end, relative)
             if found is None:
                 raise UsageError(f"The connection from {called(link.start)} to {called(link.end)} cannot convert "
-                                 f"{self.unit.name} to {end.name}.")
+                                 f"{' to '.join(between(self.unit, end))}.")
             change = found
         factor, offset = link.factor * change[0], link.factor * change[1] + link.offset
         if not (isfinite(factor) and isfinite(offset)):
@@ -40,6 +43,7 @@ class Tracer:
     """Follows connections back to where a value comes from: an FMU, or a system's connector that nothing feeds."""
     structure: Structure
     unit_of: UnitOf
+    relative: Callable[[Point], bool]    # whether a point is a variable of an FMU that is a difference
     incoming: dict[Point, Link] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -58,6 +62,7 @@ class Tracer:
             path.append(link)
             point = link.start
         traced = Traced(point, self.unit_of(point))
+        relative = self.relative(point) or bool(path and self.relative(path[0].end))
         for link in reversed(path):
-            traced = traced.through(link, self.unit_of(link.end))
+            traced = traced.through(link, self.unit_of(link.end), relative)
         return traced

@@ -7,14 +7,15 @@ from pathlib import Path
 from typing import Self
 
 from ..errors import UsageError, did_you_mean
+from ..master.declared import Variable, number
 from ..master.fmu import FmuFile
+from ..master.quantities import Unit, between, conversion
 from ..master.system import Component, Connection, System, Value, as_path, assign
+from ..master.xml_file import SSD, parse
 from .archive import Folder, unpacked
 from .connections import Tracer
-from .parameters import Given, bound, inside
+from .parameters import bound, inside
 from .structure import ElementPath, Point, Structure, called, read, shown
-from .units import Unit, conversion, unit_of_variable
-from .xml import SSD, parse
 
 SSD_FILE = "SystemStructure.ssd"
 
@@ -101,17 +102,25 @@ def assembled(structure: Structure, folder: Folder, files: dict[ElementPath, Fmu
         connector = structure.elements[path].connectors.get(name)
         if connector and connector.unit:
             return connector.unit
-        if path not in files or name not in files[path].variables:
-            return None
-        return unit_of_variable(files[path].description, files[path].variables[name])
+        variable = variable_at(point)
+        return files[path].description.unit_of(variable) if variable else None
+
+    def variable_at(point: Point) -> Variable | None:
+        path, name = point
+        return files[path].variables.get(name) if path in files else None
+
+    def relative(point: Point) -> bool:
+        variable = variable_at(point)
+        return variable is not None and variable.relative
 
     values, ignored = bound(structure, folder.path, lambda path, name: name in files[path].variables)
-    tracer = Tracer(structure, unit_of)
+    tracer = Tracer(structure, unit_of, relative)
     connections, components, sources = [], [], {}
     for element in structure.components():
         path, file = element.path, files[element.path]
         direct = {name: given for (owner, name), given in values.items() if owner == path}
-        start = {n: plain(given, file, n).in_unit(unit_of((path, n)), called((path, n))) for n, given in direct.items()}
+        start = {n: given.for_variable(file.variables[n], unit_of((path, n)), called((path, n)))
+                 for n, given in direct.items()}
         for name in (c for c in element.connectors if (path, c) in tracer.incoming):
             traced = tracer.at((path, name))
             origin = traced.origin
@@ -119,7 +128,7 @@ def assembled(structure: Structure, folder: Folder, files: dict[ElementPath, Fmu
                 connections.append(Connection(f"{flat(origin[0])}.{origin[1]}", f"{flat(path)}.{name}",
                                               traced.factor, traced.offset))
             elif origin in values:
-                value = values[origin].in_unit(unit_of(origin), called(origin))
+                value = values[origin].for_variable(file.variables[name], unit_of(origin), called(origin))
                 start[name] = through(value, traced.factor, traced.offset)
         checked = {name: file.checked(name, value, flat(path)) for name, value in start.items()}
         components.append(Component(flat(path), file.path, checked))
@@ -148,16 +157,6 @@ def through(value: Value, factor: float, offset: float) -> Value:
     return value if (factor, offset) == (1.0, 0.0) else factor * float(value) + offset
 
 
-def plain(given: Given, file: FmuFile, name: str) -> Given:
-    """`given` with an enumeration's item as its number. Raises UsageError if there is no such item."""
-    if given.kind != "Enumeration":
-        return given
-    items = {item.name: int(item.value) for item in getattr(file.variables[name].declaredType, "items", None) or []}
-    if given.value not in items:
-        raise UsageError(f"{name} = {given.value} is not allowed; there are {', '.join(items) or 'no items'}.")
-    return Given(items[str(given.value)], "Integer")
-
-
 def check_connectors(structure: Structure, files: dict[ElementPath, FmuFile]) -> None:
     """Every connector of a component is a variable of its FMU, of the type and unit that the SSD says."""
     for element in structure.components():
@@ -170,13 +169,14 @@ def check_connectors(structure: Structure, files: dict[ElementPath, FmuFile]) ->
             if connector.type not in (None, variable.type):
                 raise UsageError(f"{called((element.path, name))} is {connector.type} in {SSD_FILE} and "
                                  f"{variable.type} in {file.path.name}.")
-            own = unit_of_variable(file.description, variable)
-            if own and connector.unit and conversion(own, connector.unit) != (1.0, 0.0):
-                raise UsageError(f"{called((element.path, name))} is in {connector.unit.name} in {SSD_FILE} and in "
-                                 f"{own.name} in {file.path.name}.")
+            own = file.description.unit_of(variable)
+            if own and connector.unit and conversion(own, connector.unit, variable.relative) != (1.0, 0.0):
+                here, there = between(connector.unit, own)
+                raise UsageError(f"{called((element.path, name))} is in {here} in {SSD_FILE} and in {there} in "
+                                 f"{file.path.name}.")
 
 
 def declared(files: dict[ElementPath, FmuFile], attribute: str) -> list[float]:
     """What the FMUs' default experiments say about `attribute`."""
-    found = (getattr(file.description.defaultExperiment, attribute, None) for file in files.values())
-    return [float(x) for x in found if x]
+    found = (number(file.description.experiment.get(attribute)) for file in files.values())
+    return [x for x in found if x]

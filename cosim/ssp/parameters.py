@@ -1,42 +1,16 @@
 """Parameter bindings: SSV values, through SSM mappings, to the variables they are meant for."""
-import zipfile
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
 from ..errors import UsageError
-from ..master.system import Value
-from .structure import Element, ElementPath, Point, Structure, converts, linear, shown, units
-from .units import Unit, conversion
-from .xml import SSD, SSM, SSV, Node, parse, short, valid
+from ..master.parameter_set import Given, parameters
+from ..master.unpack import BadArchive, read_member
+from ..master.xml_file import SSD, SSM, SSV, Node, parse, short, valid
+from .structure import Element, ElementPath, Point, Structure, converts, linear, shown
 
-LARGEST = 100_000_000  # bytes of a parameter file inside an FMU
-READ: dict[str, Callable[[str], Value]] = {"Real": float, "Integer": int, "Boolean": ("true", "1").__contains__}
 Has = Callable[[ElementPath, str], bool]
-
-
-@dataclass(frozen=True)
-class Given:
-    """A value as a parameter set has it. `kind` is Real, Integer, Boolean, String or Enumeration."""
-    value: Value
-    kind: str
-    unit: Unit | None = None
-    factor: float = 1.0         # to be applied after the conversion of units
-    offset: float = 0.0
-    converts: bool = True
-
-    def in_unit(self, target: Unit | None, name: str) -> Value:
-        """The value for a variable in the unit `target`. Raises UsageError if it cannot be converted."""
-        if isinstance(self.value, bool | str):
-            return self.value
-        value = self.value
-        if self.converts and self.unit and target:
-            change = conversion(self.unit, target)
-            if change is None:
-                raise UsageError(f"The value of {name} cannot be converted from {self.unit.name} to {target.name}.")
-            value = change[0] * value + change[1]
-        return value if (self.factor, self.offset) == (1.0, 0.0) else self.factor * value + self.offset
 
 
 def inside(folder: Path, source: str, what: str) -> Path:
@@ -65,29 +39,11 @@ def document(node: Node, element: Element, folder: Path, root: str) -> Node:
         return parse(inside(folder, source, what).read_bytes(), source, root)
     if element.source is None:
         raise UsageError(f"{what} has its source in a component, but is not in one.")
-    return parse(read_member(inside(folder, element.source, shown(element.path)), unquote(source), what), source, root)
-
-
-def read_member(archive: Path, name: str, what: str) -> bytes:
-    """A member of an archive. Raises UsageError, naming `what`, if it is not there."""
+    fmu = inside(folder, element.source, shown(element.path))
     try:
-        with zipfile.ZipFile(archive) as file, file.open(name) as member:
-            return member.read(LARGEST + 1)
-    except (zipfile.BadZipFile, KeyError, OSError):
-        raise UsageError(f"{what} refers to {name}, which is not in {archive.name}.") from None
-
-
-def parameters(node: Node) -> Iterator[tuple[str, Given]]:
-    """Names and values of a valid parameter set."""
-    known = units(node, SSV)
-    for parameter in node.iterfind(f"{SSV}Parameters/{SSV}Parameter"):
-        name, element = parameter.get("name"), parameter[0]
-        kind, text = short(element.tag), element.get("value", "")
-        if kind == "Binary":
-            raise UsageError(f"The parameter {name} is Binary; FMI 2.0 has no such variables.")
-        unit_name = element.get("unit")
-        unit = known.get(unit_name, Unit(unit_name)) if unit_name else None
-        yield name, Given(READ.get(kind, str)(text), kind, unit)
+        return parse(read_member(fmu, unquote(source)), source, root)
+    except BadArchive as error:
+        raise UsageError(f"{what} refers to {source}, which is not in {fmu.name}: {error}.") from None
 
 
 def mapped(found: list[tuple[str, Given]], mapping: Node) -> Iterator[tuple[str, Given]]:

@@ -4,10 +4,10 @@ from typing import Any
 
 from ..errors import UsageError
 from ..master.isolated import fly_isolated
+from ..master.notes import note
 from ..master.progress import progress_bar
 from ..master.results import prepare_folder, write
 from .load import load_ssp
-from .notes import note
 
 DEFAULT_STEP = 0.01  # s, as that of `ahv run`
 

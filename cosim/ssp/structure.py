@@ -2,8 +2,9 @@
 from dataclasses import dataclass, field
 
 from ..errors import UsageError, did_you_mean
-from .units import Unit, unit
-from .xml import OSP, SSC, SSD, Node, short
+from ..master.parameter_set import units
+from ..master.quantities import Unit
+from ..master.xml_file import OSP, SSC, SSD, Node, short
 
 ElementPath = tuple[str, ...]         # names from the outermost system, which is (), inwards
 Point = tuple[ElementPath, str]       # a connector of an element, or a variable of an FMU
@@ -63,12 +64,6 @@ def shown(path: ElementPath) -> str:
 def called(point: Point) -> str:
     """A connector or variable as messages call it."""
     return ".".join((*point[0], point[1]))
-
-
-def units(parent: Node, namespace: str) -> dict[str, Unit]:
-    """The units that an element defines, by name."""
-    return {node.get("name"): unit(node.get("name"), node.find(f"{SSC}BaseUnit").attrib)
-            for node in parent.iterfind(f"{namespace}Units/{SSC}Unit")}
 
 
 def number(node: Node | None, attribute: str) -> float | None:

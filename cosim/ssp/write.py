@@ -9,11 +9,13 @@ from collections.abc import Iterable
 from pathlib import Path
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
+from fmus import pack
+
+from ..errors import UsageError
 from ..master.fmu import FmuFile
 from ..master.loaded import open_files
-from ..master.system import Component, System, Value
-from . import archive
-from .units import BASE, Unit, unit_of_variable
+from ..master.quantities import BASE, Unit, conversion
+from ..master.system import Component, Connection, System, Value
 
 PREFIXES = {
     "xmlns:ssd": "http://ssp-standard.org/SSP1/SystemStructureDescription",
@@ -31,12 +33,29 @@ def write(path: Path, name: str, system: System, step: float, stop: float) -> No
     Raises UsageError for values or connections that do not fit the FMUs, or if `path` cannot be written.
     """
     with open_files(system) as files:
-        contents = {f"resources/{c.fmu.name}": c.fmu.read_bytes() for c in system.components}
+        places = fmu_places(files)
+        contents = {places[c.name]: c.fmu.read_bytes() for c in system.components}
         for component in system.components:
             if component.values:
                 contents[parameter_file(component)] = parameter_set(name, component, files[component.name])
-        contents["SystemStructure.ssd"] = description(name, system, files, step, stop)
-    archive.write(path, contents)
+        contents["SystemStructure.ssd"] = description(name, system, files, places, step, stop)
+    try:
+        pack.write(path, contents)
+    except OSError as error:
+        raise UsageError(f"--out {path} cannot be written: {error.strerror}.") from None
+
+
+def fmu_places(files: dict[str, FmuFile]) -> dict[str, str]:
+    """Component -> its FMU's place in the archive: files that differ have places that differ, whatever their names."""
+    places: dict[str, str] = {}
+    taken: dict[str, str] = {}  # place -> the file's SHA-256
+    for component, file in files.items():
+        place, number = f"resources/{file.path.name}", 1
+        while taken.setdefault(place, file.sha256) != file.sha256:
+            number += 1
+            place = f"resources/{file.path.stem}_{number}{file.path.suffix}"
+        places[component] = place
+    return places
 
 
 def parameter_file(component: Component) -> str:
@@ -50,20 +69,23 @@ def document(tag: str, prefixes: Iterable[str], name: str) -> Element:
                          "version": "1.0", "name": name, "generationTool": TOOL})
 
 
-def description(name: str, system: System, files: dict[str, FmuFile], step: float, stop: float) -> bytes:
-    """SystemStructure.ssd of a system; `step` and `stop` in s."""
+def description(name: str, system: System, files: dict[str, FmuFile], places: dict[str, str], step: float, stop: float
+                ) -> bytes:
+    """SystemStructure.ssd of a system whose FMUs are at `places`; `step` and `stop` in s."""
     identifier = re.sub(r"\W", "_", name, flags=re.ASCII)
     root = document("ssd:SystemStructureDescription", ("ssd", "ssc", "ssv", "osp", "oms"), identifier)
     parent = SubElement(root, "ssd:System", name=identifier)
     elements = SubElement(parent, "ssd:Elements")
     units: dict[str, Unit] = {}
     for component in system.components:
-        add_component(elements, component, files[component.name], units)
-    connections = SubElement(parent, "ssd:Connections")
+        add_component(elements, component, files[component.name], places[component.name], units)
+    connections = SubElement(parent, "ssd:Connections") if system.connections else parent  # the list may not be empty
     for link in system.connections:
         start, end = link.source.partition("."), link.target.partition(".")
         connection = SubElement(connections, "ssd:Connection", startElement=start[0], startConnector=start[2],
                                 endElement=end[0], endConnector=end[2])
+        if converted(link, files):  # the master's connections carry numbers, whatever the units
+            connection.set("suppressUnitConversion", "true")
         if (link.factor, link.offset) != (1.0, 0.0):
             SubElement(connection, "ssc:LinearTransformation", factor=repr(link.factor), offset=repr(link.offset))
     add_annotation(parent, "org.openmodelica", "oms:Annotations/oms:SimulationInformation/oms:FixedStepMaster",
@@ -84,22 +106,30 @@ def add_annotation(parent: Element, owner: str, path: str, **attributes: str) ->
     element.attrib.update(attributes)
 
 
-def add_component(parent: Element, component: Component, file: FmuFile, units: dict[str, Unit]) -> None:
-    """A component with all inputs and outputs of its FMU as connectors; their units are added to `units`."""
+def converted(link: Connection, files: dict[str, FmuFile]) -> bool:
+    """Whether a reader of the SSP would convert units along a connection."""
+    source, target = (files[name].description.unit_of(files[name].variable(variable))
+                      for name, _, variable in (link.source.partition("."), link.target.partition(".")))
+    return source is not None and target is not None and conversion(source, target) != (1.0, 0.0)
+
+
+def add_component(parent: Element, component: Component, file: FmuFile, place: str, units: dict[str, Unit]) -> None:
+    """A component with all inputs and outputs of its FMU, which is at `place`, as connectors; their units are added to
+    `units`."""
     element = SubElement(parent, "ssd:Component", name=component.name, type="application/x-fmu-sharedlibrary",
-                         source=f"resources/{component.fmu.name}", implementation="CoSimulation",
-                         description=file.description.description or "")
+                         source=place, implementation="CoSimulation",
+                         description=file.description.attributes.get("description", ""))
     connectors = SubElement(element, "ssd:Connectors")
-    for variable in file.description.modelVariables:
+    for variable in file.description.variables:
         if variable.causality not in ("input", "output"):
             continue
         connector = SubElement(connectors, "ssd:Connector", name=variable.name, kind=variable.causality)
         kind = SubElement(connector, f"ssc:{variable.type}")
         if variable.type == "Enumeration":
-            kind.set("name", variable.declaredType.name)
-        unit = unit_of_variable(file.description, variable)
-        if unit and unit.exponents:  # SSP knows units by their base units only; else the FMU's own unit holds
-            units[unit.name] = unit
+            kind.set("name", variable.own.get("declaredType", ""))
+        unit = file.description.unit_of(variable)
+        # SSP knows units by their base units only, and one of each name; else the FMU's own unit holds.
+        if unit and unit.exponents and conversion(unit, units.setdefault(unit.name, unit)) == (1.0, 0.0):
             kind.set("unit", unit.name)
     if component.values:
         bindings = SubElement(element, "ssd:ParameterBindings")

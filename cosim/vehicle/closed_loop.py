@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..errors import UsageError
+from ..master.quantities import Unit, between, conversion
 from ..master.system import Component, Connection, System, Value
 from .registry import LAWS, PLANTS, SCENARIO, Model
 from .scenarios import Scenario
@@ -241,7 +242,7 @@ def fitting(components: Mapping[str, Component], foreign: set[str]) -> tuple[lis
     unwired: dict[str, list[str]] = {}
     for source, target, name in LINKS:
         lacking = [(component, kind) for component, kind in ((source, "output"), (target, "input"))
-                   if ports[component].get(name, ("", ""))[0] != kind]
+                   if ports[component].get(name, ("", None))[0] != kind]
         for component, kind in lacking:
             file = components[component].fmu.name
             if kind == "output" or name not in OPTIONAL[component]:
@@ -249,19 +250,20 @@ def fitting(components: Mapping[str, Component], foreign: set[str]) -> tuple[lis
             unwired.setdefault(f"{component} ({file})", []).append(name)
         if lacking:
             continue
-        units = ports[source][name][1], ports[target][name][1]
-        if all(units) and units[0] != units[1]:
-            which, other = (target, units[0]) if target in foreign else (source, units[1])
-            raise UsageError(f"{which} ({components[which].fmu.name}) has {name} in {ports[which][name][1]}; "
-                             f"the closed loop has it in {other}.")
+        one, other = ports[source][name][1], ports[target][name][1]
+        if one and other and conversion(one, other) != (1.0, 0.0):
+            which, its, ours = (target, other, one) if target in foreign else (source, one, other)
+            theirs, wanted = between(its, ours)
+            raise UsageError(f"{which} ({components[which].fmu.name}) has {name} in {theirs}; "
+                             f"the closed loop has it in {wanted}.")
         fit.append((source, target, name))
     return fit, [f"{who} has no input {', '.join(names)}: not connected." for who, names in unwired.items()]
 
 
-def ports_of(path: Path) -> dict[str, tuple[str, str]]:
-    """Name -> (causality, unit or "") of an FMU's inputs and outputs. Raises UsageError for no such FMU."""
+def ports_of(path: Path) -> dict[str, tuple[str, Unit | None]]:
+    """Name -> (causality, unit) of an FMU's inputs and outputs. Raises UsageError for no such FMU."""
     from ..master.fmu import FmuFile
 
     with FmuFile.open(path) as file:
-        return {v.name: (v.causality, v.unit or "") for v in file.description.modelVariables
+        return {v.name: (v.causality, file.description.unit_of(v)) for v in file.description.variables
                 if v.causality in ("input", "output")}

@@ -9,14 +9,20 @@ from math import degrees
 from typing import Any
 
 from ..errors import RunError, UsageError
+from ..master.system import Value
 from . import scenarios
-from .closed_loop import LINKS, Values, closed_loop, merged
+from .closed_loop import LINKS, Values, closed_loop, flavour_of, fmu_path, merged, no_component
 from .registry import LAWS, PLANTS
 
 ACTUATORS, SENSORS, COMMANDS = (
     [f"{source}.{name}" for source, target, name in LINKS if (source, target) == ends]
     for ends in (("controller", "plant"), ("plant", "controller"), ("scenario", "controller")))
 GROUPS = ("thrust", "lift", "drag", "moment", "forces")
+LONGEST_STEP = 1.0  # s; the vehicle's elastic modes turn three times in that
+
+# What is set by options of their own, and would be overruled.
+OPTIONS = {"plant.V_start": "--V", "plant.h_start": "--h", "scenario.V_command_base": "--V",
+           "scenario.h_command_base": "--h", **{f"scenario.scale_{group}_base": "--scale" for group in GROUPS}}
 
 
 def linearize(controller: str = "neural", preset: str | None = None, plant: str = "ideal", V: float = 7700.0,
@@ -26,8 +32,16 @@ def linearize(controller: str = "neural", preset: str | None = None, plant: str 
 
     About level flight at `V` (ft/s), `h` (ft), every coefficient group times `scale`; the loop is sampled every `step`
     seconds. `controller` and `plant` are words of the registry, or anybody's FMUs as NAME=FILE.fmu; `values` are
-    parameters of both. Raises UsageError for what is not known, RunError if there is no such flight.
+    parameters of both. Raises UsageError for what is not known or outside its limits, RunError if there is no such
+    flight.
     """
+    if not 0 < step <= LONGEST_STEP:
+        raise UsageError(f"--step {step:g} is not allowed: it must be above 0 and at most {LONGEST_STEP:g} s.")
+    if not 0 < scale < float("inf"):
+        raise UsageError(f"--scale {scale:g} is not allowed: it must be a positive number.")
+    for component, name in ((c, n) for c, pairs in (values or {}).items() for n in pairs):
+        if f"{component}.{name}" in OPTIONS:
+            raise UsageError(f"{component}.{name} cannot be set here: {OPTIONS[f'{component}.{name}']} gives it.")
     if controller in LAWS and plant == "ideal" and not (LAWS[controller].learns and scale != 1):
         return from_models(controller, preset or LAWS[controller].preset or "", V, h, scale, step, values or {})
     return from_files(controller, preset, plant, V, h, scale, step, values or {})
@@ -36,24 +50,44 @@ def linearize(controller: str = "neural", preset: str | None = None, plant: str 
 def from_models(controller: str, preset: str, V: float, h: float, scale: float, step: float, values: Values
                 ) -> dict[str, Any]:
     """Exactly, through the Jacobians of the equations of law and vehicle. Raises as `linearize` does."""
-    from fmus.linear_report import linear_report, preset_gains
+    from fmus.linear_report import linear_report
     from fmus.linearize import NoTrim
 
     from ..analysis.margins import margins_at
 
     law, plant = import_module(LAWS[controller].module), import_module(PLANTS["ideal"].module)
-    given = {name: {k: float(v) for k, v in pairs.items()} for name, pairs in values.items()}
+    flight: Values = {"plant": {"V_start": V, "h_start": h}}
+    gains, parameters = allowed(controller, preset, merged(values, flight))
+    del parameters["V_start"], parameters["h_start"]
     try:
-        gains = preset_gains(law, preset)
-        found = linear_report(plant, law, {**gains, **given.get("controller", {})}, V, h, step,
-                              dict.fromkeys(GROUPS, scale), given.get("plant", {}), margins_at)
-    except KeyError:
-        raise UsageError(f"The {controller} controller has no preset {preset}.") from None
+        found = linear_report(plant, law, gains, V, h, step, dict.fromkeys(GROUPS, scale), parameters, margins_at)
     except NoTrim as error:
         raise RunError(str(error)) from None
     except ValueError as error:
         raise UsageError(str(error)) from None
     return {"controller": controller, "preset": preset, **found}
+
+
+def allowed(controller: str, preset: str, values: Values) -> tuple[dict[str, Value], dict[str, Value]]:
+    """The values of the law (its preset's, and those given) and of the ideal plant, each in its type.
+
+    Raises UsageError for a preset or a variable that its FMU does not have, and for a value that this does not allow.
+    """
+    from ..master.fmu import FmuFile
+
+    models = {"controller": LAWS[controller], "plant": PLANTS["ideal"]}
+    for component, pairs in values.items():
+        if component == "scenario" and pairs:
+            raise UsageError(f"scenario.{next(iter(pairs))} cannot be set here: the flight is level, at --V and --h.")
+        if component not in models:
+            raise UsageError(no_component(component, models))
+    found: list[dict[str, Value]] = []
+    for component, model in models.items():
+        with FmuFile.open(fmu_path(flavour_of(None), model.fmu)) as file:
+            own = file.preset(preset) if component == "controller" else {}
+            found.append({name: file.checked(name, value, component)
+                          for name, value in {**own, **values.get(component, {})}.items()})
+    return found[0], found[1]
 
 
 def from_files(controller: str, preset: str | None, plant: str, V: float, h: float, scale: float, step: float,

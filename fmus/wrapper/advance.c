@@ -57,7 +57,6 @@ static fmi2Status initialise(Instance *instance)
         return refuse(instance, fmi2Error, MODEL_NAME " cannot start: %s", reason);
     take(s, x, y, s->time);
     s->stale = 0;
-    s->step = 0;
     return fmi2OK;
 }
 

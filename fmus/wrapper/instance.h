@@ -32,7 +32,7 @@ typedef struct {
 
 typedef enum { INSTANTIATED, INITIALISING, STEPPING, TERMINATED } Phase;
 
-/* Everything that fmi2GetFMUstate saves. No pointers and no padding: 8-byte numbers first, then four of 4 bytes. */
+/* Everything that fmi2GetFMUstate saves. No pointers and no padding: 8-byte numbers first, then two of 4 bytes. */
 typedef struct {
     double time;      /* the last communication point reached */
     double stop_time; /* infinity if none was given */
@@ -40,10 +40,9 @@ typedef struct {
     double count, h;  /* number and length of its internal steps */
     double x[LENGTH(NX)], u[LENGTH(NU)], p[LENGTH(NP)], y[LENGTH(NY)], c[LENGTH(NC)];
     double refused[LENGTH(NU)]; /* the inf or nan an input was last set to, 0 for none */
+    int64_t step_status; /* what the last fmi2DoStep returned */
     int32_t phase;
     int32_t stale; /* inputs or parameters were set since x and y were initialised */
-    int32_t step_status;
-    int32_t ended; /* the last step failed in the model, not in its arguments */
 } State;
 
 typedef struct {

@@ -1,11 +1,10 @@
 /* fmi2DoStep and what can be asked about it. */
 
 /* The step is not taken: all stays as it was at the last communication point. */
-static fmi2Status discard(Instance *instance, int ended, double time, const char *reason)
+static fmi2Status discard(const Instance *instance, double time, const char *reason)
 {
     char text[32];
-    instance->state.ended = ended;
-    return instance->state.step_status = refuse(instance, fmi2Discard, "%s at t = %s s", reason, number(text, time));
+    return refuse(instance, fmi2Discard, "%s at t = %s s", reason, number(text, time));
 }
 
 static fmi2Status do_step(Instance *instance, double time, double step)
@@ -16,24 +15,23 @@ static fmi2Status do_step(Instance *instance, double time, double step)
     const double *x;
     if (!(is_finite(step) && step > 0)) {
         snprintf(reason, sizeof reason, "communication step %s s is not a positive number", number(text, step));
-        return discard(instance, 0, time, reason);
+        return discard(instance, time, reason);
     }
     if (!is_finite(time))
-        return discard(instance, 0, time, "the communication point is not a finite number");
+        return discard(instance, time, "the communication point is not a finite number");
     if (input_refused(reason, s))
-        return discard(instance, 0, time, reason);
+        return discard(instance, time, reason);
     if (end > s->stop_time + 1e-6 * step) /* the importer may have summed up its steps */
         return refuse(instance, fmi2Error, "a step to t = %s s would go past the stop time %s s", number(text, end),
                       number(other, s->stop_time));
     if (s->step != step && !prepare(s, step)) {
         snprintf(reason, sizeof reason, "communication step %s s takes too many internal steps", number(text, step));
-        return discard(instance, 0, time, reason);
+        return discard(instance, time, reason);
     }
     x = advance(instance, time, step);
     if (not_acceptable(reason, x, instance->next_y))
-        return discard(instance, 1, end, reason);
+        return discard(instance, end, reason);
     take(s, x, instance->next_y, end);
-    s->ended = 0;
     return fmi2OK;
 }
 
@@ -85,7 +83,7 @@ fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind s, fmi2Boo
     Instance *instance = valid(c);
     if (!instance || !value || s != fmi2Terminated)
         return no_status(instance);
-    *value = instance->state.ended ? fmi2True : fmi2False;
+    *value = fmi2False; /* a discarded step is a failure: no model ends the simulation */
     return fmi2OK;
 }
 

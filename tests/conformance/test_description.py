@@ -1,5 +1,8 @@
 """What every FMU of ours says of itself in modelDescription.xml and beside it, in both flavours."""
+import re
+import tomllib
 import zipfile
+from importlib.metadata import version
 from pathlib import Path
 
 import pytest
@@ -29,6 +32,22 @@ def test_author_copyright_and_licence_travel_with_the_fmu(fmus, name):
     assert root.get("copyright") == "Copyright 2026 the AHV FMU authors"
     assert root.get("license") == "BSD-2-Clause"
     assert licence == (ROOT / "LICENSE").read_bytes() and b"Copyright (c) 2026, the AHV FMU authors" in licence
+
+
+def test_an_fmu_names_what_made_it_with_versions(native_fmus, python_fmus):
+    made_by = {"native": native_fmus, "python": python_fmus}
+    tools = {flavour: FmuFile.open(fmus["AhvPlant"]).description.generationTool for flavour, fmus in made_by.items()}
+    assert tools == {"native": f"ahv {version('ahv')}, casadi {version('casadi')}, ziglang {version('ziglang')}",
+                     "python": f"ahv {version('ahv')}, casadi {version('casadi')}, pythonfmu {version('pythonfmu')}"}
+
+
+def test_what_decides_on_an_fmus_bytes_is_pinned_exactly_and_as_the_locks_have_it():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    needed = [*project["dependencies"], *project["optional-dependencies"]["native"]]
+    for name in ("casadi", "ziglang", "pythonfmu"):
+        pin, = (line for line in needed if line.startswith(name))
+        assert re.fullmatch(rf"{name}==[\d.]+", pin)
+        assert pin in (ROOT / "requirements" / "all.txt").read_text().split()
 
 
 @pytest.mark.parametrize("variable, told", [("reference_omega", "1000 rad/s is above its maximum 100 rad/s"),

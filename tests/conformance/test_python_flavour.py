@@ -99,7 +99,8 @@ def test_an_input_that_is_no_number_never_reaches_a_state(python_fmus, bad):
     with running(python_fmus["AhvPlant"]) as plant:
         step(plant, 0.0, 0.01)
         before = outputs(plant)
-        plant.set({"elevator": bad})
+        with pytest.raises(RunError, match=r"elevator = (nan|-?inf) is not a finite number and was refused"):
+            plant.set({"elevator": bad})
         with pytest.raises(RunError, match=r"elevator = (nan|-?inf) is not a finite number at t = 0\.01 s"):
             step(plant, 0.01, 0.01)
         assert outputs(plant) == before
@@ -134,5 +135,5 @@ def test_no_step_goes_past_the_stop_time(fmu):
 
 
 def test_calls_out_of_order_are_refused(fmu):
-    with running(fmu) as instance, pytest.raises(RunError, match=r"not allowed while .* is stepping"):
+    with running(fmu) as instance, pytest.raises(RunError, match="initialisation can begin once"):
         instance.simple("fmi2EnterInitializationMode")

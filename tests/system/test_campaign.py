@@ -122,13 +122,26 @@ def test_a_folder_with_another_campaign_is_left_alone(whole, tmp_path):
     assert tables(whole[1]) == before
 
 
+def test_an_expression_without_a_value_on_a_law_s_nominal_flight_is_refused_before_any_run_flies(tmp_path):
+    file = written(tmp_path, success={"altitude": "altitude_error_ft.max_abs < 20", "net": "phi_hat.velocity_max < 3"})
+    said = fly(file, tmp_path / "out", status=2)
+    line = file.read_text().splitlines().index("  net: phi_hat.velocity_max < 3") + 1
+    assert said.strip().endswith(f"campaign.yaml, line {line}: success.net: 'phi_hat.velocity_max < 3' has no value on "
+                                 "the nominal flight of backstepping: there is no phi_hat.velocity_max.")
+    assert parts(tmp_path / "out") == 0 and not (tmp_path / "out" / "runs.parquet").exists()
+
+
 def test_a_run_that_cannot_start_and_one_that_takes_too_long_are_rows(tmp_path):
     changes = {"runs": 4, "controllers": ["neural"], "flavour": "python", "stop": 100, "timeout_s": 0.3,
                "dispersions": {"plant.mass": {"distribution": "normal", "mean": 300, "std": 900}}, "seed": 1,
                "correlations": []}
-    fly(written(tmp_path, **changes), tmp_path / "out")
+    printed = json.loads(fly(written(tmp_path, **changes), tmp_path / "out"))["controllers"]["neural"]
     found = rows(tmp_path / "out")
     assert {r["status"] for r in found} == {"error", "timed-out"}
+    assert printed["failures"] == {"law": 0, "machinery": 4} and printed["probability"] is None
+    assert (printed["runs"], printed["judged"]) == (4, 0)
+    report = (tmp_path / "out" / "report.html").read_text()
+    assert "Failures of the machinery, neural" in report and report.count("--set plant.mass=") == 4
     assert all(not r["success"] and r["message"] for r in found)
     assert any("plant.mass = " in r["message"] for r in found) and any("timeout_s = 0.3" in r["message"] for r in found)
 

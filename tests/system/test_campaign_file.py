@@ -29,7 +29,15 @@ WRONG = {
     "a field too many": ("seed: 3", "seed: 3\ncolour: red", "line 6: colour: there is no such field"),
     "a key twice": ("seed: 3", "seed: 3\nruns: 9", "line 6: runs is given twice"),
     "no runs": ("runs: 8", "runs: 0", "line 4: runs: Input should be greater than or equal to 1, not 0"),
-    "a word for a number": ("seed: 3", "seed: three", "line 5: seed: Input should be a valid integer"),
+    "a word for a number": ("seed: 3", "seed: three", "line 5: seed: Input should be a valid integer, not 'three'"),
+    "half a seed": ("seed: 3", "seed: 1.5", "line 5: seed: Input should be a valid integer, not 1.5"),
+    "a truth for a seed": ("seed: 3", "seed: true", "line 5: seed: Input should be a valid integer, not True"),
+    "a letter for a seed": ("seed: 3", 'seed: "a"', "line 5: seed: Input should be a valid integer, not 'a'"),
+    "a seed below 0": ("seed: 3", "seed: -1", "line 5: seed: Input should be greater than or equal to 0, not -1"),
+    "a seed too large": ("seed: 3", "seed: 1.0e+30", "line 5: seed: Input should be a valid integer, not 1e+30"),
+    "a seed too long": ("seed: 3", f"seed: {2**63}", f"line 5: seed: Input should be less than {2**63}, not {2**63}"),
+    "half a run": ("runs: 8", "runs: 8.5", "line 4: runs: Input should be a valid integer, not 8.5"),
+    "truly runs": ("runs: 8", "runs: true", "line 4: runs: Input should be a valid integer, not True"),
     "an unknown scenario": ("case1", "caes1", "line 2: scenario: caes1 is neither a scenario"),
     "an unknown law": ("seed: 3",
                        "seed: 3\ncontrollers: [pid]", "line 6: controllers.0: --controller pid is not known"),
@@ -55,6 +63,14 @@ WRONG = {
     "a negative spread": ("std: 10", "std: -10", "line 7: dispersions.plant.mass.std: Input should be greater than 0"),
     "ends the wrong way round": ("low: 270", "low: 370", "line 7: dispersions.plant.mass: low must be below high"),
     "an end that is not allowed": ("low: 270, high: 330", "low: 270, high: 1e9", "plant.mass = "),
+    "half an end of whole numbers": ("distribution: normal, mean: 300, std: 10, low: 270, high: 330",
+                                     "distribution: integer, low: 270, high: 330.5",
+                                     "line 7: dispersions.plant.mass.high: Input should be a valid integer, not 330.5"),
+    "whole numbers the wrong way round": ("distribution: normal, mean: 300, std: 10, low: 270, high: 330",
+                                          "distribution: integer, low: 330, high: 330", "low must be below high"),
+    "weights without a sum": ("distribution: normal, mean: 300, std: 10, low: 270, high: 330",
+                              "distribution: choice, values: [290, 300], weights: [1.0e308, 1.0e308]",
+                              "line 7: dispersions.plant.mass: weights must be one for each of values, with a finite"),
     "a wave on no signal": ("scenario.scale_lift:",
                             "plant.chord:", "line 8: dispersions.plant.chord: plant.chord is no signal"),
     "a period of nothing": ("period: 40",
@@ -67,8 +83,28 @@ WRONG = {
     "correlation that cannot be": ("success:",
                                    "correlations:\n- draws: [plant.mass, scenario.scale_lift_sine]\n  matrix: "
                                    "[[1, 2], [2, 1]]\nsuccess:", "line 13: correlations.0: nothing can be correlated"),
+    "correlation of nothing in particular": ("success:", "correlations:\n"
+                                             "- draws: [plant.mass, scenario.scale_lift_sine]\nsuccess:",
+                                             "line 13: correlations.0: either coefficient or matrix"),
+    "correlation with itself": ("success:", "correlations:\n- {draws: [plant.mass, plant.mass], coefficient: 0.5}\n"
+                                "success:", "line 13: correlations.0: draws must differ"),
+    "correlation of one draw twice": ("success:", "correlations:\n"
+                                      "- {draws: [plant.mass, scenario.scale_lift_sine], coefficient: 0.5}\n"
+                                      "- {draws: [scenario.scale_lift_sine_phase, plant.mass], coefficient: 0.5}\n"
+                                      "success:", "line 14: correlations.1: plant.mass is in two correlated groups"),
+    "correlation of a choice": ("success:", "  plant.chord: {distribution: choice, values: [16, 18]}\ncorrelations:\n"
+                                "- {draws: [plant.chord, plant.mass], coefficient: 0.5}\nsuccess:",
+                                "line 14: correlations.0: plant.chord is a choice and has no order to correlate by"),
+    "words times something": ("distribution: normal, mean: 300, std: 10, low: 270, high: 330",
+                              "distribution: choice, values: [a, b], relative: true",
+                              "line 7: dispersions.plant.mass: relative needs values that are numbers"),
     "a metric that is not there": ("altitude_error_ft.max_abs",
                                    "altitude_eror", "line 13: success.altitude: 'altitude_ero"),
+    "a maximum of one": ("altitude_error_ft.max_abs <", "max(altitude_error_ft.max_abs) <",
+                         "line 13: success.altitude: 'max(altitude_error_ft.max_abs) < 20': max takes two numbers"),
+    "an absolute value of two": ("altitude_error_ft.max_abs <", "abs(altitude_error_ft.max_abs, 1) <",
+                                 "line 13: success.altitude: 'abs(altitude_error_ft.max_abs, 1) < 20': abs takes one"),
+    "a great many signs": ("altitude_error_ft.max_abs", f"{'-' * 970}1", "nested more than 100 levels deep"),
     "a criterion that is none": ("altitude_error_ft.max_abs < 20", "elevator_deg.max", "is neither true nor false"),
     "code": ("altitude_error_ft.max_abs < 20", "__import__('os').getcwd() < 3", "is not allowed in an expression"),
     "signals that are not there": ("seed: 3",
@@ -95,6 +131,64 @@ def test_a_wrong_file_is_refused_with_line_and_field(before, after, sentence, tm
 def test_what_is_no_campaign_at_all_is_refused_too(text, tmp_path):
     with pytest.raises(UsageError, match=r"campaign\.yaml"):
         plan(text, tmp_path)
+
+
+@pytest.mark.parametrize("text", ["seed: 0", f"seed: {2**63 - 1}", "seed: 0x10"])
+def test_seeds_are_all_whole_numbers_of_63_bits(text, tmp_path):
+    assert plan(GOOD.replace("seed: 3", text), tmp_path).campaign.seed == int(text.partition(" ")[2], 0)
+
+
+def test_files_are_named_from_the_campaign_file_wherever_it_is_read_from(tmp_path, monkeypatch):
+    from cosim.campaign.rerun import command
+
+    there, here = tmp_path / "there", tmp_path / "here"
+    (there / "fmus").mkdir(parents=True)
+    here.mkdir()
+    monkeypatch.chdir(here)
+    (there / "own.yaml").write_text("name: own\nstop: 2\n")
+    for name in ("AhvPlant", "AhvController"):
+        (there / "fmus" / f"{name}.fmu").write_bytes((ROOT / "fmus" / "dist" / "native" / f"{name}.fmu").read_bytes())
+    text = GOOD.replace("scenario: case1\nstop: 1", "scenario: own.yaml\nplant: fmus/AhvPlant.fmu\n"
+                        "controllers: [mine=fmus/AhvController.fmu]")
+    found = plan(text, there)
+    assert found.stop == 2 and found.scenario.name == "own" and found.scenario_word == str(there / "own.yaml")
+    assert {path.parent for stored, path in found.fmus.items() if "Scenario" not in stored} == {there / "fmus"}
+    row = {"controller": "mine", "plant.mass": 300.0, "scenario.scale_lift_sine": 0.1,
+           "scenario.scale_lift_sine_phase": 1.0}
+    words = command(found, row).split()
+    assert words[2] == str(there / "own.yaml")
+    assert words[words.index("--plant") + 1] == str(there / "fmus" / "AhvPlant.fmu")
+    assert words[words.index("--controller") + 1] == f"mine={there / 'fmus' / 'AhvController.fmu'}"
+    assert "scenario.scale_lift_sine=0.1" in words and plan(GOOD, there).scenario_word == "case1"
+
+
+def test_what_is_said_of_a_law_wins_over_what_is_said_of_all(tmp_path):
+    found = plan(GOOD.replace("seed: 3", "seed: 3\nset: {plant.chord: 16, controller.elevator_max: 0.3}\n"
+                              "presets: {controller: robust}\ncontrollers:\n- neural\n"
+                              "- {law: neural, name: other, preset: calibrated, set: {plant.chord: 18}}"), tmp_path)
+    chord = {law: float(c.values["chord"]) for law, loop in found.loops.items() for c in loop.system.components
+             if c.name == "plant"}
+    assert chord == {"neural": 16, "other": 18}
+    assert {law: loop.presets["controller"] for law, loop in found.loops.items()} == {
+        "neural": "robust", "other": "calibrated"}
+
+
+def test_the_tasks_hold_all_runs_once_and_the_file_s_stop_wins(tmp_path):
+    found = plan(GOOD.replace("runs: 8", "runs: 41\nruns_per_task: 20"), tmp_path)
+    assert list(found.batches()) == [(0, 20), (20, 40), (40, 41)] and found.stop == 1 and found.job.ticks == 100
+    assert plan(GOOD.replace("runs: 8", "runs: 41"), tmp_path).runs_per_task == 3           # a 16th, rounded up
+    assert plan(GOOD.replace("runs: 8", "runs: 99999"), tmp_path).runs_per_task == 200
+    assert plan(GOOD.replace("runs: 8", "runs: 99999\nflavour: python"), tmp_path).runs_per_task == 40
+
+
+def test_what_determines_the_rows_is_in_the_fingerprint(tmp_path):
+    one = plan(GOOD, tmp_path)
+    for before, after in (("seed: 3", "seed: 4"), ("runs: 8", "runs: 9"), ("std: 10", "std: 11"), ("< 20", "< 21"),
+                          ("stop: 1", "stop: 2")):
+        assert plan(GOOD.replace(before, after), tmp_path).job.key != one.job.key
+    other = plan(GOOD.replace("name: small", "name: other\nworst_by: protected_s"), tmp_path)
+    assert other.job.key == one.job.key
+    assert (other.worst_by, one.worst_by) == ("protected_s", "altitude_error_ft.max_abs")
 
 
 EXAMPLES = ROOT / "docs" / "campaigns"

@@ -14,7 +14,6 @@ from ahv_plant_fmu import model as plant
 from ahv_plant_fmu.equations import thrust_slope
 from ahv_plant_fmu.trim import level_trim
 from fmus import floats
-from fmus.linear_report import preset_gains
 from fmus.linearize import linear_loop, linear_vehicle
 
 STABLE_PRESETS = ("calibrated", "steady", "coupled")
@@ -77,9 +76,9 @@ def test_elevator_to_flight_path_is_non_minimum_phase_over_the_envelope():
 
 def test_the_printed_loop_is_unstable_ours_is_stable_about_the_first_trim():
     for preset, stable in (("printed", False), ("calibrated", True), ("steady", True), ("coupled", True)):
-        loop = linear_loop(plant, neural_model, preset_gains(neural_model, preset), 7700, 85000)
+        loop = linear_loop(plant, neural_model, neural_model.PRESETS[preset], 7700, 85000)
         assert (np.abs(np.linalg.eigvals(loop.cut().A)).max() < 1) == stable
-    printed = linear_loop(plant, neural_model, preset_gains(neural_model, "printed"), 7700, 85000).cut().poles
+    printed = linear_loop(plant, neural_model, neural_model.PRESETS["printed"], 7700, 85000).cut().poles
     assert printed.real.max() == pytest.approx(3.33, abs=0.01)
 
 

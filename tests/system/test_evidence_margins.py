@@ -9,7 +9,6 @@ from evidence import fly
 from test_cases import ahv
 
 from ahv_ctrl_fmu import backstepping_model, neural_model
-from fmus.linear_report import preset_gains
 from fmus.linearize import GROUPS
 
 INSIDE, OUTSIDE = 0.94, 1.06
@@ -44,7 +43,7 @@ CORNERS = [(float(V), float(h)) for V in SPEEDS[::4] for h in ALTITUDES[::4]]
 
 
 def test_robust_is_stable_over_the_envelope_calibrated_and_the_rival_not_in_thin_air():
-    found = {(model, preset): {c: growth(model, preset_gains(model, preset), *c) for c in CORNERS}
+    found = {(model, preset): {c: growth(model, model.PRESETS[preset], *c) for c in CORNERS}
              for model, preset in ((neural_model, "robust"), (neural_model, "calibrated"),
                                    (backstepping_model, "calibrated"))}
     robust, calibrated, rival = found.values()
@@ -57,9 +56,9 @@ def test_robust_is_stable_over_the_envelope_calibrated_and_the_rival_not_in_thin
 def test_every_coefficient_at_0_6_to_1_4_at_the_first_trim():
     for scale in (0.6, 0.8, 1.0, 1.2, 1.4):
         scales = dict.fromkeys(GROUPS, scale)
-        assert growth(neural_model, preset_gains(neural_model, "robust"), scale=scales) < 0
+        assert growth(neural_model, neural_model.PRESETS["robust"], scale=scales) < 0
         for law in (neural_model, backstepping_model):
-            assert (growth(law, preset_gains(law, "calibrated"), scale=scales) < 0) == (scale > 0.7)
+            assert (growth(law, law.PRESETS["calibrated"], scale=scales) < 0) == (scale > 0.7)
 
 
 def test_what_cannot_be_linearized_is_said_in_one_sentence():

@@ -1,11 +1,17 @@
 """Anybody's controller and plant in the commands, by file name: docs/examples, built by stock pythonfmu."""
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from altered import redescribed
 from test_cases import ahv
+
+from cosim.errors import UsageError
+from cosim.vehicle import scenarios
+from cosim.vehicle.closed_loop import closed_loop
 
 EXAMPLES = Path(__file__).parents[2] / "docs" / "examples"
 LACKING = """
@@ -103,20 +109,17 @@ def test_a_port_that_is_missing_is_named(words, inputs, outputs, sentence, tmp_p
     assert sentence in ahv("run", "hold", f"--{words}", path, status=2)
 
 
-def test_a_port_in_another_unit_is_named(native_fmus, tmp_path):
-    from zipfile import ZipFile
-
-    path = tmp_path / "Metric.fmu"
-    with ZipFile(native_fmus["AhvBackstepping"]) as before, ZipFile(path, "w") as after:
-        for name in before.namelist():
-            content = before.read(name)
-            if name == "modelDescription.xml":
-                content = content.replace(b'unit="ft" nominal="1000.0" start="85000.0"',
-                                          b'unit="m" nominal="1000.0" start="85000.0"')
-                content = content.replace(b"<UnitDefinitions>", b'<UnitDefinitions><Unit name="m"/>')
-            after.writestr(name, content)
-    said = ahv("run", "hold", "--controller", f"metric={path}", status=2)
-    assert "controller (Metric.fmu) has h_command in m; the closed loop has it in ft." in said
+@pytest.mark.parametrize("swap,sentence", [
+    (('unit="ft" nominal="1000.0" start="85000.0"', 'unit="m" nominal="1000.0" start="85000.0"'),
+     "has h_command in m; the closed loop has it in ft."),
+    (('<BaseUnit m="1" factor="0.3048" />', '<BaseUnit m="1" />'),
+     "in ft (1 m1); the closed loop has it in ft (0.3048 m1)."),
+])
+def test_a_port_in_another_unit_is_named(swap, sentence, native_fmus, tmp_path):
+    path = redescribed(native_fmus["AhvBackstepping"], tmp_path / "Metric.fmu", swap,
+                       ("<UnitDefinitions>", '<UnitDefinitions><Unit name="m"><BaseUnit m="1"/></Unit>'))
+    with pytest.raises(UsageError, match=rf"^controller \(Metric\.fmu\) .*{re.escape(sentence)}$"):
+        closed_loop(scenarios.load("hold"), f"metric={path}")
 
 
 def test_a_file_that_is_none_is_named():

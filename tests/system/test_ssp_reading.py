@@ -4,11 +4,13 @@ import subprocess
 
 import pyarrow.parquet
 import pytest
+from altered import redescribed
 from places import AHV
 from ssp_files import (
     component,
     connection,
     connector,
+    gain,
     inline,
     linear,
     mapping,
@@ -20,6 +22,7 @@ from ssp_files import (
 )
 from test_cases import ahv
 
+from cosim import fly
 from cosim.errors import UsageError
 from cosim.ssp.load import load_ssp
 
@@ -55,6 +58,82 @@ def test_the_linear_transformation_comes_after_the_conversion(read):
 def test_a_suppressed_conversion_leaves_the_linear_transformation(read):
     link, = read(pair("degC", "m", linear(2, 1), suppressUnitConversion="true")).connections
     assert (link.factor, link.offset) == (2, 1)
+
+
+KELVIN = ('<UnitDefinitions><Unit name="degC"><BaseUnit K="1" offset="{}"/></Unit>'
+          '<Unit name="K"><BaseUnit K="1"/></Unit></UnitDefinitions><TypeDefinitions>'
+          '<SimpleType name="T"><Real unit="{}" relativeQuantity="{}"/></SimpleType>'
+          '<SimpleType name="Mode"><Enumeration><Item name="low" value="3"/><Item name="high" value="7"/></Enumeration>'
+          '</SimpleType></TypeDefinitions>')
+
+
+@pytest.fixture
+def warm(tmp_path):
+    """Gain.fmu whose u, k and y are of a declared type in `unit`, a difference if `relative`; n is an Enumeration."""
+    def made(unit="K", relative=True, offset=273.15):
+        typed = KELVIN.format(offset, unit, str(relative).lower())
+        return redescribed(gain(), tmp_path / "warm.fmu", ("<LogCategories>", f"{typed}<LogCategories>"),
+                           ('<Real start="0"/>', '<Real declaredType="T" start="0"/>'),
+                           ('<Real start="1"/>', '<Real declaredType="T" start="1"/>'),
+                           ("<Real/>", '<Real declaredType="T"/>'),
+                           ('<Integer start="0"/>', '<Enumeration declaredType="Mode" start="3"/>')).read_bytes()
+    return made
+
+
+def warm_component(name, bindings=""):
+    """A component of the FMU that `warm` makes, whose connectors leave type and unit to the FMU."""
+    bare = component(name, source="resources/Warm.fmu", bindings=bindings)
+    return bare.replace("<ssc:Real/>", "")
+
+
+@pytest.mark.parametrize("relative,value,mapped", [(True, 10, 21), (False, 283.15, 567.3)])
+def test_a_parameter_that_is_a_difference_is_converted_as_one(relative, value, mapped, read, warm):
+    names = mapping(f'<ssm:MappingEntry source="k" target="u">{linear(2, 1)}</ssm:MappingEntry>')
+    values = inline(parameter("k", 10, unit="degC"))
+    twice = inline(parameter("k", 10, unit="degC"), mapped=names)
+    found = read(ssd(system("root", warm_component("a", values) + warm_component("b", twice))),
+                 resources__Warm_dot_fmu=warm(relative=relative))
+    assert found.components[0].values == {"k": pytest.approx(value)}
+    assert found.components[1].values == {"u": pytest.approx(mapped)}
+
+
+@pytest.mark.parametrize("relative,offset", [(True, 0), (False, 273.15)])
+def test_a_connection_from_or_to_a_difference_is_converted_as_one(relative, offset, read, warm):
+    elements = warm_component("a") + component("b", u="degC") + component("c", y="degC") + warm_component("d")
+    found = read(ssd(system("root", elements, connection("a.y", "b.u") + connection("c.y", "d.u"))),
+                 resources__Warm_dot_fmu=warm(relative=relative))
+    assert [k.factor for k in found.connections] == [1, 1]
+    assert [k.offset for k in found.connections] == [pytest.approx(-offset), pytest.approx(offset)]
+
+
+@pytest.mark.parametrize("relative,value", [(True, 10), (False, 283.15)])
+def test_a_systems_own_connector_gives_a_difference_to_a_difference(relative, value, read, warm):
+    inner = system("root", warm_component("a"), connection(".in", "a.u"), connector("in", "input", "degC"),
+                   inline(parameter("in", 10, unit="degC")))
+    found = read(ssd(inner), resources__Warm_dot_fmu=warm(relative=relative))
+    assert found.components[0].values == {"u": pytest.approx(value)}
+
+
+def test_units_of_one_name_are_converted_by_their_definitions(read, warm):
+    """degC is 0 at 273.15 K in the SSD and at 273 K in the FMU."""
+    files = {"resources__Warm_dot_fmu": warm("degC", False, 273)}
+    link, = read(ssd(system("root", component("b", y="degC") + warm_component("a"), connection("b.y", "a.u"))),
+                 **files).connections
+    assert (link.factor, link.offset) == (1, pytest.approx(0.15))
+    values = inline(parameter("k", 10, unit="degC"))
+    assert read(ssd(system("root", warm_component("a", values))), **files).components[0].values == {
+        "k": pytest.approx(10.15)}
+    with pytest.raises(UsageError, match=r"a\.u is in degC \(1 K1 \+ 273\.15\) in SystemStructure\.ssd and in degC "
+                                         r"\(1 K1 \+ 273\) in Warm\.fmu\."):
+        read(ssd(system("root", component("a", u="degC", source="resources/Warm.fmu"))), **files)
+
+
+def test_an_item_of_an_enumeration_is_given_by_its_name(read, warm):
+    files = {"resources__Warm_dot_fmu": warm()}
+    values = inline(parameter("n", "high", "Enumeration"))
+    assert read(ssd(system("root", warm_component("a", values))), **files).components[0].values == {"n": 7}
+    with pytest.raises(UsageError, match=r"a\.n = hihg is not allowed; there are low, high\."):
+        read(ssd(system("root", warm_component("a", values.replace("high", "hihg")))), **files)
 
 
 def nested(connectors_unit=None, bindings=""):
@@ -117,6 +196,61 @@ def test_a_mapping_renames_converts_and_transforms(read):
     values = inline(parameter("gain", 3, unit="km"), parameter("n", 5, "Integer"), mapped=names)
     element = component("a", u="m", bindings=values, more=connector("k", "parameter", "m"))
     assert read(ssd(system("root", element))).components[0].values == {"k": 6001, "u": 3}
+
+
+@pytest.mark.parametrize("factor,offset,value", [(2, 0, 6), (1, 5, 8), (2, 5, 11), (1, 0, 3)])
+def test_a_mapping_transforms_by_factor_and_offset(factor, offset, value, read):
+    names = mapping(f'<ssm:MappingEntry source="gain" target="k">{linear(factor, offset)}</ssm:MappingEntry>')
+    element = component("a", bindings=inline(parameter("gain", 3), mapped=names))
+    assert read(ssd(system("root", element))).components[0].values == {"k": value}
+
+
+def test_a_mapping_leaves_out_what_it_does_not_name_and_ignores_what_is_not_there(read):
+    names = mapping('<ssm:MappingEntry source="gian" target="k"/>', '<ssm:MappingEntry source="count" target="n"/>')
+    values = inline(parameter("k", 3), parameter("count", 5, "Integer"), mapped=names)
+    found = read(ssd(system("root", component("a", bindings=values))))
+    assert found.components[0].values == {"n": 5} and found.ignored == []
+
+
+@pytest.mark.parametrize("text,value", [("true", True), ("1", True), ("false", False), ("0", False)])
+def test_a_truth_is_written_in_words_or_digits(text, value, read):
+    element = component("a", bindings=inline(parameter("on", text, "Boolean")))
+    assert read(ssd(system("root", element))).components[0].values == {"on": value}
+
+
+def test_a_value_with_a_unit_of_its_own_keeps_its_number_where_the_variable_has_none(read):
+    element = component("a", bindings=inline(parameter("k", 2, unit="km")))
+    assert read(ssd(system("root", element))).components[0].values == {"k": 2}
+
+
+def test_a_connection_without_units_keeps_the_unit_of_its_start(read):
+    """Through a connector without a unit: km arrive as m, once."""
+    inner = system("inner", component("b", u="m"), connection(".in", "b.u"), connector("in", "input"))
+    root = system("root", component("a", y="km") + inner, connection("a.y", "inner.in"))
+    assert [k.factor for k in read(ssd(root)).connections] == [1000]
+    suppressed = root.replace('endConnector="in"', 'endConnector="in" suppressUnitConversion="true"')
+    assert [k.factor for k in read(ssd(suppressed)).connections] == [1]
+
+
+def test_a_binding_says_its_type(read):
+    kind = "application/x-ssp-parameter-set"
+    element = component("a", bindings=inline(parameter("k", 3), type=kind))
+    assert read(ssd(system("root", element))).components[0].values == {"k": 3}
+
+
+def test_the_experiment_starts_and_stops_as_the_file_says(read):
+    found = read(ssd(system("root", component("a")), '<ssd:DefaultExperiment startTime="2" stopTime="4"/>'))
+    assert (found.start, found.stop) == (2, 4)
+    assert read(ssd(system("root", component("a")), '<ssd:DefaultExperiment stopTime="4"/>')).start == 0
+    with pytest.raises(UsageError, match="starts at t = 2 s; a start other than 0 is not supported"):
+        fly(found, 0.1)
+
+
+def test_files_of_a_loaded_system_go_with_it(tmp_path):
+    with load_ssp(write(tmp_path / "test.ssp", ssd(system("root", component("a"))))) as found:
+        fmu, = (c.fmu for c in found.components)
+        assert fmu.is_file()
+    assert not fmu.exists()
 
 
 def test_parameter_sets_are_read_from_the_archive_and_from_the_fmu(read, native_fmus):
@@ -224,6 +358,30 @@ REFUSED = {
         system("root", CHAIN, connection("a.y", "b.u", '<ssc:BooleanMappingTransformation><ssc:MapEntry source="true" '
                                          'target="false"/></ssc:BooleanMappingTransformation>')),
         "has a BooleanMappingTransformation, which is not supported"),
+    "a parameter binding of another type": (
+        system("root", component("a", bindings=inline(parameter("k", 3), type="text/csv"))),
+        "A parameter binding of a is of type text/csv, which is not supported"),
+    "a binding of nothing": (system("root", component("a", bindings="<ssd:ParameterBinding/>")),
+                             "The ParameterBinding of a has neither a source nor content"),
+    "a parameter set that is not in the FMU": (
+        system("root", component("a", bindings='<ssd:ParameterBinding source="x.ssv" sourceBase="component"/>')),
+        "The ParameterBinding of a refers to x.ssv, which is not in Gain.fmu"),
+    "a parameter set in the FMU of a system": (
+        system("root", component("a"), bindings='<ssd:ParameterBinding source="x.ssv" sourceBase="component"/>'),
+        "The ParameterBinding of the system has its source in a component, but is not in one"),
+    "a transformation of a whole number": (
+        system("root", component("a", bindings=inline(parameter("n", 3, "Integer"), mapped=mapping(
+            f'<ssm:MappingEntry source="n" target="n">{linear(2, 0)}</ssm:MappingEntry>')))),
+        "The mapping of n to n has a LinearTransformation, but a value that is Integer"),
+    "a binary parameter": (system("root", component("a", bindings=inline(
+        '<ssv:Parameter name="k"><ssv:Binary mime-type="x" value="00"/></ssv:Parameter>'))),
+        "The parameter k is Binary; FMI 2.0 has no such variables"),
+    "two elements of one name": (system("root", component("a") + component("a")), "There are two elements called a"),
+    "two elements of one flat name": (system("root", component("a.u") + system("a", component("u"))),
+                                      "Two components are called a/u once nested systems and dots are written with /"),
+    "a circle": (system("root", component("a") + system(
+        "s", component("b"), connection(".in", ".out"), connector("in", "input") + connector("out", "output")),
+        connection("s.out", "s.in") + connection("s.out", "a.u")), "The connections lead in a circle through "),
     "nothing to fly": ('<ssd:System name="root"/>', "The system has no components"),
 }
 

@@ -5,11 +5,18 @@ import zipfile
 
 import pyarrow.parquet
 import pytest
+import small
+from altered import redescribed
 from fmpy.ssp.ssd import read_ssd
 from lxml import etree
 from test_cases import ahv
 
-from cosim.ssp.xml import SSD, SSV, schema
+from cosim.errors import UsageError
+from cosim.master.flight import fly
+from cosim.master.system import Component, Connection, System
+from cosim.master.xml_file import SSD, SSV, schema
+from cosim.ssp.load import load_ssp
+from cosim.ssp.write import write
 
 SSC = "{http://ssp-standard.org/SSP1/SystemStructureCommon}"
 
@@ -103,3 +110,82 @@ def test_simulate_flies_it_as_run_does(flavour, tmp_path):
 def test_wrong_words_write_nothing(words, sentence, tmp_path):
     assert sentence in ahv("ssp", *words, cwd=tmp_path, status=2)
     assert not list(tmp_path.rglob("*.ssp*"))
+
+
+@pytest.fixture
+def reading(tmp_path):
+    """Writes a system and reads it again."""
+    def written(system):
+        write(tmp_path / "test.ssp", "test", system, 0.1, 0.5)
+        return load_ssp(tmp_path / "test.ssp")
+    return written
+
+
+def variant(folder, name, **given):
+    """small.fmu as folder/name/Same.fmu, its u in the unit `u` and its y in the unit `y`, of these definitions."""
+    (folder / name).mkdir()
+    units = "".join(f'<Unit name="{unit}"><BaseUnit {base}/></Unit>' for unit, base in dict(given.values()).items())
+    y = '<Real/></ScalarVariable><!-- 16 -->'
+    swaps = {"u": ('<Real start="0.0"/></ScalarVariable><!-- 15 -->', '<Real start="0.0" unit="{}"/></ScalarVariable>'),
+             "y": (y, '<Real unit="{}"/></ScalarVariable>')}
+    return redescribed(small.build(folder), folder / name / "Same.fmu",
+                       ("<ModelVariables>", f"<UnitDefinitions>{units}</UnitDefinitions><ModelVariables>"),
+                       *((swaps[v][0], swaps[v][1].format(unit)) for v, (unit, _) in given.items()))
+
+
+KM, M, FOOT, SHORT_FOOT = (("km", 'm="1" factor="1000"'), ("m", 'm="1"'), ("foot", 'm="1" factor="0.3048"'),
+                           ("foot", 'm="1" factor="0.3"'))
+
+
+def test_two_fmus_of_one_file_name_stay_two(tmp_path, reading, capsys):
+    one, other = (variant(tmp_path, name, u=unit) for name, unit in (("one", KM), ("other", M)))
+    (tmp_path / "copy").mkdir()
+    copy = tmp_path / "copy" / "Same.fmu"
+    copy.write_bytes(one.read_bytes())
+    parts = [Component(name, fmu) for name, fmu in (("a", one), ("b", other), ("c", copy), ("d", other))]
+    with reading(System(parts)) as found:
+        assert found.sources == {"a": "resources/Same.fmu", "b": "resources/Same_2.fmu", "c": "resources/Same.fmu",
+                                 "d": "resources/Same_2.fmu"}
+        assert [c.fmu.read_bytes() for c in found.components] == [p.fmu.read_bytes() for p in parts]
+    assert capsys.readouterr().err == ""  # valid, also without connections
+
+
+@pytest.mark.parametrize("ends,factor,offset", [
+    ((KM, M), 1000.0, 0.0), ((KM, M), 1.0, 0.0), ((KM, M), 2.0, 3.0), ((M, M), 2.0, 3.0),
+    ((FOOT, SHORT_FOOT), 1.0, 0.0)])
+def test_a_connection_means_the_same_once_it_is_written(ends, factor, offset, tmp_path, reading):
+    """The master's connections carry numbers; a reader of the SSP would convert units beside."""
+    parts = (Component("a", variant(tmp_path, "one", y=ends[0])), Component("b", variant(tmp_path, "other", u=ends[1])))
+    links = (Connection("a.y", "b.u", factor, offset),)
+    with reading(System(parts, links)) as found:
+        assert found.connections == links
+
+
+def test_units_of_one_name_and_two_definitions_keep_theirs(tmp_path, reading):
+    parts = (Component("a", variant(tmp_path, "one", y=FOOT)), Component("b", variant(tmp_path, "other", y=SHORT_FOOT)))
+    with reading(System(parts)) as found, zipfile.ZipFile(tmp_path / "test.ssp") as archive:
+        root = etree.fromstring(archive.read("SystemStructure.ssd"))
+        assert len(found.components) == 2
+        assert [u.get("factor") for u in root.iter(f"{SSC}BaseUnit")] == ["0.3048"]
+        used = {c.get("name"): [r.get("unit") for r in c.iter(f"{SSC}Real") if r.get("unit")]
+                for c in root.iter(f"{SSD}Component")}
+        assert used == {"a": ["foot"], "b": []}
+
+
+def test_values_and_connections_of_every_type_come_back(tmp_path, reading):
+    fmu = small.build(tmp_path)
+    parts = (Component("a", fmu, {"a21": -4.5, "whole_in": -7, "truth_in": True, "text_in": "x < y"}),
+             Component("b", fmu, {"truth_in": False}))
+    links = (*(Connection(f"a.{n}_out", f"b.{n}_in") for n in ("whole", "text")), Connection("a.y", "b.u"))
+    with reading(System(parts, links)) as found:
+        assert [c.values for c in found.components] == [p.values for p in parts]
+        assert set(found.connections) == set(links) and (found.step, found.stop) == (0.1, 0.5)
+        one, other = fly(System(parts, links), 0.1, 0.5), fly(found, 0.1, 0.5)
+    assert one.signals.tobytes() == other.signals.tobytes()
+
+
+def test_a_value_that_does_not_fit_writes_nothing(tmp_path):
+    system = System((Component("a", small.build(tmp_path), {"whole_in": 1.5}),))
+    with pytest.raises(UsageError, match=r"a\.whole_in = 1\.5 is not allowed: it must be a whole number"):
+        write(tmp_path / "test.ssp", "test", system, 0.1, 0.5)
+    assert list(tmp_path.glob("test.ssp*")) == []

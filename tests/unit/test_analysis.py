@@ -135,7 +135,7 @@ def test_what_cannot_be_linearised_is_said_in_one_sentence(folder):
 def test_an_actuator_at_a_declared_limit_is_named(folder):
     system = loop(small.build(folder), small.build(folder))
     with open_files(system) as files:
-        files["spring"].variable("u").max = "2.0"
+        files["spring"].variable("u").own["max"] = "2.0"
         for value, at_limit in ((2.0, True), (1.999, False)):
             rest = Rest(system, files, STEP, 1, 1.0, {"law.y": value}, {"law.y": 1.0})
             if at_limit:

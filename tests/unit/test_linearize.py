@@ -12,14 +12,14 @@ from ahv_plant_fmu.trim import NOMINAL
 from cosim.analysis.margins import frequencies, margins, margins_at, response
 from cosim.vehicle.registry import LAWS
 from fmus import floats
-from fmus.linear_report import linear_report, preset_gains
+from fmus.linear_report import linear_report
 from fmus.linearize import GROUPS, NoTrim, linear_loop, linear_vehicle, values_of, vehicle_trim
 
 
 def gains_of(law):
     """A law of the registry: its module, and the gains of its own preset."""
     module = import_module(LAWS[law].module)
-    return module, preset_gains(module, LAWS[law].preset)
+    return module, module.PRESETS[LAWS[law].preset]
 
 
 
@@ -96,7 +96,7 @@ def test_margins_of_a_loop_known_by_hand():
 
 
 def test_where_there_is_no_equilibrium_it_is_said():
-    gains = preset_gains(neural_model, "calibrated")
+    gains = neural_model.PRESETS["calibrated"]
     with pytest.raises(NoTrim, match="equilibrium"):
         linear_loop(plant, neural_model, gains, 7500, 105000)
     with pytest.raises(ValueError, match="no parameter wings"):

@@ -7,7 +7,7 @@ import math
 from collections.abc import Callable
 from functools import partial
 
-from ..fmi2 import WARNING, Instance, Value
+from ..fmi2 import ERROR, FATAL, WARNING, Instance, Value
 from ..job import Known
 from .bench import BASES, Bench, Row, probe, status_name
 from .life import may_set
@@ -21,6 +21,20 @@ def guid(bench: Bench) -> None:
     if made is not None:
         made.free()
         bench.fault("dynamic.guid", "fmi2Instantiate", f"an instance for the wrong GUID '{wrong}'", "a null pointer")
+
+
+def expect_refusal(bench: Bench, fmu: Instance, rule: str, call: str, act: Callable[[], int], where: str,
+                   expected: str = "fmi2Error") -> int:
+    """Make a wrong call, `act`, and report where it is done (a breach of `rule`), or refused badly; its status."""
+    told = fmu.messages.total()
+    status = act()
+    if status <= WARNING:
+        bench.fault(rule, call, f"{status_name(status)} {where}", expected)
+    elif status == FATAL:
+        bench.fault("dynamic.fatal", call, f"fmi2Fatal {where}", f"{expected}, and a usable FMU")
+    if status > WARNING and fmu.messages.total() == told:
+        bench.fault("dynamic.log-refusal", call, f"{status_name(status)} {where}, and no message", "a message")
+    return status
 
 
 def before_setup(bench: Bench, fmu: Instance) -> None:
@@ -77,10 +91,8 @@ def try_forbidden(call: str, state: str, arrive: Callable, act: Callable, bench:
     """4.2.4: a call in a state that does not allow it returns fmi2Error."""
     with bench.instance() as fmu:
         arrive(bench, fmu)
-        status = act(bench, fmu)
-        if status <= WARNING:
-            found = f"{status_name(status)} in the state '{state}', where the call is not allowed"
-            bench.fault("dynamic.call-order", call, found, "fmi2Error")
+        expect_refusal(bench, fmu, "dynamic.call-order", call, lambda: act(bench, fmu),
+                       f"in the state '{state}', where the call is not allowed")
 
 
 for _forbidden in FORBIDDEN:
@@ -91,15 +103,22 @@ def try_step_size(size: float, rule: str, bench: Bench) -> None:
     """4.2.2: the communication step size must be above zero."""
     with bench.instance() as fmu:
         stepping(bench, fmu)
-        status = fmu.step(bench.time(1), size)
-        if status <= WARNING:
-            found = f"{status_name(status)} for a communication step of {size:g}"
-            bench.fault(rule, "fmi2DoStep", found, "fmi2Error: the step must be above 0")
+        expect_refusal(bench, fmu, rule, "fmi2DoStep", lambda: fmu.step(bench.time(1), size),
+                       f"for a communication step of {size:g}", "fmi2Error: the step must be above 0")
 
 
 for _name, _size in (("zero", 0.0), ("negative", -1e-3), ("nan", math.nan)):
     _rule = "dynamic.zero-step" if _name == "zero" else "dynamic.bad-step"
     probe(f"step-size: {_name}", legal=False)(partial(try_step_size, _size, _rule))
+
+
+@probe("time: nan", legal=False)
+def nan_time(bench: Bench) -> None:
+    """4.2.2: a communication point is a number."""
+    with bench.instance() as fmu:
+        stepping(bench, fmu)
+        expect_refusal(bench, fmu, "dynamic.bad-time", "fmi2DoStep", lambda: fmu.step(math.nan, bench.job.step),
+                       "for the communication point nan")
 
 
 def try_unknown(base: str, setting: bool, bench: Bench) -> None:
@@ -109,11 +128,9 @@ def try_unknown(base: str, setting: bool, bench: Bench) -> None:
     value: Value = b"" if base == "String" else 0
     with bench.instance() as fmu:
         stepping(bench, fmu)
-        status = fmu.set(base, [unknown], [value]) if setting else fmu.get(base, [unknown])[0]
-        if status <= WARNING:
-            call = f"fmi2{'Set' if setting else 'Get'}{base}"
-            found = f"{status_name(status)} for the value reference {unknown}, which no variable has"
-            bench.fault("dynamic.unknown-reference", call, found, "fmi2Error")
+        expect_refusal(bench, fmu, "dynamic.unknown-reference", f"fmi2{'Set' if setting else 'Get'}{base}",
+                       lambda: fmu.set(base, [unknown], [value]) if setting else fmu.get(base, [unknown])[0],
+                       f"for the value reference {unknown}, which no variable has")
 
 
 for _base in BASES:
@@ -141,10 +158,9 @@ def forbidden_write(bench: Bench) -> None:
         with bench.instance() as fmu:
             stepping(bench, fmu)
             _, before = fmu.get(v.base, [v.reference])
-            status = fmu.set(v.base, [v.reference], before)
-            if status <= WARNING:
-                found = f"fmi2Set{v.base} returned {status_name(status)} between steps"
-                bench.fault("dynamic.forbidden-write", v.name, found, f"fmi2Error: a {v.variability} {v.causality}")
+            expect_refusal(bench, fmu, "dynamic.forbidden-write", v.name,
+                           partial(fmu.set, v.base, [v.reference], before), f"of fmi2Set{v.base} between steps",
+                           f"fmi2Error: a {v.variability} {v.causality}")
 
 
 @probe("nonfinite", many=True)
@@ -166,9 +182,12 @@ def survives(bench: Bench, fmu: Instance, value: float) -> bool:
     """Set every Real input to the value and step; whether the instance can still be used."""
     bench.initialize(fmu)
     references = [v.reference for v in bench.moving_inputs]
-    accepted = fmu.set("Real", references, [value] * len(references)) <= WARNING
-    if accepted and fmu.step(bench.job.start, bench.job.step) <= WARNING:
-        spoiled = [v.name for v, got in zip(bench.recorded, bench.row(fmu), strict=True) if is_nonfinite(got)]
+    status = fmu.set("Real", references, [value] * len(references))
+    if status == FATAL:
+        bench.fault("dynamic.fatal", bench.moving_inputs[0].name, f"fmi2Fatal for {value:g}",
+                    "fmi2Error or fmi2Discard, and a usable FMU")
+    if status <= WARNING and fmu.step(bench.job.start, bench.job.step) <= WARNING:
+        spoiled = [v.name for v, got in bench.values(bench.row(fmu)) if is_nonfinite(got)]
         if spoiled:
             found = f"{value:g} on the inputs gives fmi2OK and non-finite values ({len(spoiled)} variables)"
             bench.fault("dynamic.nonfinite-input", spoiled[0], found, "fmi2Error or fmi2Discard, or finite values")
@@ -204,7 +223,8 @@ def stop_time(bench: Bench) -> None:
                 expected = f"fmi2OK up to the stop time {bench.time(count):g}"
                 bench.fault("dynamic.stop-early", "fmi2DoStep", found, expected)
                 return
-        status = fmu.step(bench.time(count), bench.job.step)
-        if status <= WARNING:
-            found = f"{status_name(status)} for a step beyond the stop time {bench.time(count):g}"
-            bench.fault("dynamic.stop-time", "fmi2DoStep", found, "fmi2Error")
+        where = f"for a step beyond the stop time {bench.time(count):g}"
+        status = expect_refusal(bench, fmu, "dynamic.stop-time", "fmi2DoStep",
+                                lambda: fmu.step(bench.time(count), bench.job.step), where)
+        if status > WARNING and status != ERROR:
+            bench.fault("dynamic.stop-time", "fmi2DoStep", f"{status_name(status)} {where}", "fmi2Error")

@@ -3,7 +3,7 @@ import math
 
 from ..fmi2 import WARNING, Instance, Value
 from ..job import Known
-from .bench import Bench, bits, moved, probe, status_name
+from .bench import Bench, Row, bits, moved, probe, status_name
 
 
 @probe("load")
@@ -237,7 +237,7 @@ def twice(bench: Bench) -> None:
         bench.fault("dynamic.isolation", different.variable, different.text, "what it gives alone")
 
 
-def interleaved(bench: Bench, fmu: Instance, other: Instance) -> list[tuple[Value, ...]]:
+def interleaved(bench: Bench, fmu: Instance, other: Instance) -> list[Row]:
     """Half a run of `fmu`, while `other` is initialized with other values and steps in between."""
     for v in bench.job.variables:
         if v.base == "Real" and v.causality in ("parameter", "input"):

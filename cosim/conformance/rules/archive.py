@@ -115,8 +115,8 @@ def libraries(fmu: Fmu) -> Iterator[tuple[str, Library | BadBinary]]:
     """(platform, the library or what is wrong with it) of each binary in its place."""
     for folder in platform_folders(fmu):
         known = PLATFORMS.get(folder.name)
-        file = folder / f"{fmu.identifier}{known[0] if known else ''}"
-        if known and file.is_file():
+        file = fmu.library(folder.name, known[0]) if known else None
+        if file:
             try:
                 yield folder.name, read_library(file)
             except BadBinary as problem:

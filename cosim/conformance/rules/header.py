@@ -3,7 +3,7 @@ import re
 from collections.abc import Iterator
 from datetime import UTC, datetime, timedelta
 
-from ..description import number
+from ...master.declared import number
 from ..repeats import repeated
 from ..rule import ERROR, NOTE, WARNING, static
 from ..subject import Fault, Fmu

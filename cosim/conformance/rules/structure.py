@@ -2,7 +2,7 @@
 from collections.abc import Iterator
 from itertools import pairwise
 
-from ..description import CAUSALITIES, Unknown, Variable
+from ...master.declared import CAUSALITIES, Unknown, Variable
 from ..repeats import repeated
 from ..rule import ERROR, NOTE, WARNING, static
 from ..subject import Fault, Fmu
@@ -148,8 +148,8 @@ def kind_real(fmu: Fmu) -> Iterator[Fault]:
             known = fmu.description.variable(number)
             if kind == "dependent" or known is None or target is None:
                 continue
-            if (target.kind, known.kind) != ("Real", "Real"):
-                found = f"'{kind}' dependency of a {target.kind} on '{known.name}', a {known.kind}"
+            if (target.type, known.type) != ("Real", "Real"):
+                found = f"'{kind}' dependency of a {target.type} on '{known.name}', a {known.type}"
                 yield Fault(entry_name(fmu, tag, unknown), found, "kind 'dependent'")
 
 

@@ -3,7 +3,7 @@ from collections.abc import Iterator
 
 from lxml import etree
 
-from ..description import SimpleType, Variable, integer, number
+from ...master.declared import SimpleType, Variable, integer, number
 from ..repeats import repeated
 from ..rule import ERROR, NOTE, WARNING, static
 from ..subject import Fault, Fmu
@@ -48,10 +48,10 @@ def unit_names(fmu: Fmu) -> set[str]:
 def unit_carriers(fmu: Fmu) -> Iterator[tuple[str, str | None, str | None]]:
     """(name, unit, display unit) of Real types, and of Real variables that have a unit or display unit of their own."""
     for declared in fmu.description.types:
-        if declared.kind == "Real":
+        if declared.type == "Real":
             yield f"type {declared.name}", declared.attributes.get("unit"), declared.attributes.get("displayUnit")
     for v in fmu.description.variables:
-        if v.kind == "Real" and ("unit" in v.own or "displayUnit" in v.own):  # inherited faults are the type's
+        if v.type == "Real" and ("unit" in v.own or "displayUnit" in v.own):  # inherited faults are the type's
             yield v.name, v.resolved("unit"), v.resolved("displayUnit")
 
 
@@ -198,8 +198,8 @@ def type_declared(fmu: Fmu) -> Iterator[Fault]:
 @static("type.kind", "2.2.7", ERROR, "The declared type of a variable is of the variable's own type.")
 def type_kind(fmu: Fmu) -> Iterator[Fault]:
     for v in fmu.description.variables:
-        if v.declared is not None and v.declared.kind != v.kind:
-            yield Fault(v.name, f"{v.kind} with declaredType '{v.declared.name}'", f"a type of kind {v.kind}")
+        if v.declared is not None and v.declared.type != v.type:
+            yield Fault(v.name, f"{v.type} with declaredType '{v.declared.name}'", f"a type of kind {v.type}")
 
 
 @static("type.unused", "2.2.3", NOTE, "Every type that is defined is used.")

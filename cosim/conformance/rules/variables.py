@@ -3,7 +3,7 @@ import re
 from collections import defaultdict
 from collections.abc import Iterator
 
-from ..description import CAUSALITIES, INITIAL, VARIABILITIES, Variable, integer, number
+from ...master.declared import CAUSALITIES, INITIAL, VARIABILITIES, Variable, integer, number
 from ..repeats import repeated
 from ..rule import ERROR, WARNING, static
 from ..subject import Fault, Fmu
@@ -67,9 +67,9 @@ def causality(fmu: Fmu) -> Iterator[Fault]:
 def continuous_real(fmu: Fmu) -> Iterator[Fault]:
     for v in fmu.description.variables:
         allowed = (v.variability, v.causality) in INITIAL
-        if allowed and v.variability == "continuous" and v.kind not in ("Real", ""):
+        if allowed and v.variability == "continuous" and v.type not in ("Real", ""):
             implied = "" if "variability" in v.attributes else " (the default)"
-            yield Fault(v.name, f"a continuous {v.kind}{implied}", "variability discrete, or type Real")
+            yield Fault(v.name, f"a continuous {v.type}{implied}", "variability discrete, or type Real")
 
 
 @static("variable.initial", "2.2.7", ERROR, "`initial` has a value that causality and variability allow.")
@@ -94,7 +94,7 @@ def wants_start(v: Variable) -> bool | None:
 @static("variable.start-missing", "2.2.7", ERROR, "A start value where initial is exact or approx, or to an input.")
 def start_missing(fmu: Fmu) -> Iterator[Fault]:
     for v in fmu.description.variables:
-        if v.kind and v.start is None and wants_start(v) is True:
+        if v.type and v.start is None and wants_start(v) is True:
             why = "an input" if v.causality == "input" else f"initial '{v.initial}'"
             yield Fault(v.name, "no start value", f"a start value ({why})")
 
@@ -111,7 +111,7 @@ def start_forbidden(fmu: Fmu) -> Iterator[Fault]:
 def start_range(fmu: Fmu) -> Iterator[Fault]:
     for v in fmu.description.variables:
         start, low, high = number(v.start), number(v.resolved("min")), number(v.resolved("max"))
-        if v.kind not in ("Real", "Integer", "Enumeration") or start is None:
+        if v.type not in ("Real", "Integer", "Enumeration") or start is None:
             continue
         if low is not None and high is not None and low > high:
             continue  # rule range.min-max
@@ -123,7 +123,7 @@ def start_range(fmu: Fmu) -> Iterator[Fault]:
 @static("variable.start-item", "2.2.7", ERROR, "The start value of an enumeration is the value of one of its items.")
 def start_item(fmu: Fmu) -> Iterator[Fault]:
     for v in fmu.description.variables:
-        if v.kind == "Enumeration" and v.declared is not None and v.declared.items and integer(v.start) is not None:
+        if v.type == "Enumeration" and v.declared is not None and v.declared.items and integer(v.start) is not None:
             values = [integer(item.get("value")) for item in v.declared.items]
             if integer(v.start) not in values:
                 yield Fault(v.name, f"start {v.start}", f"one of {', '.join(map(str, values))}")
@@ -151,8 +151,8 @@ def derivative_real(fmu: Fmu) -> Iterator[Fault]:
         if of is None or of is v:
             continue
         for one in (v, of):
-            if (one.kind, one.variability) != ("Real", "continuous"):
-                yield Fault(v.name, f"'{one.name}' is a {one.variability} {one.kind}", "a continuous Real")
+            if (one.type, one.variability) != ("Real", "continuous"):
+                yield Fault(v.name, f"'{one.name}' is a {one.variability} {one.type}", "a continuous Real")
 
 
 @static("variable.reinit", "2.2.7", ERROR, "`reinit` is not present in a pure co-simulation FMU.")

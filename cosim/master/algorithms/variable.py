@@ -36,7 +36,7 @@ class Variable:
     def __init__(self, master: Master, options: dict[str, Any], experiment: Experiment):
         need_states(master, "variable")
         for instance in master.instances:
-            if not instance.cosimulation.canHandleVariableCommunicationStepSize:
+            if not instance.claims("canHandleVariableCommunicationStepSize"):
                 raise UsageError(f"--algorithm variable needs steps of any length, and {instance.name} does not claim "
                                  f"canHandleVariableCommunicationStepSize.")
         self.master, self.experiment, self.ticks = master, experiment, 0

@@ -17,6 +17,7 @@ DEFECTS = tuple(
         ("load", "UNRESOLVED", "needs a function that no library has"),
         ("version", "VERSION", "fmi2GetVersion says 2.1"),
         ("types-platform", "TYPES_PLATFORM", "fmi2GetTypesPlatform says other"),
+        ("limits", "SPOILS", "it writes to files that it did not open"),
         ("instantiate", "NO_INSTANCE", "fmi2Instantiate returns a null pointer"),
         ("second-instance", "ONE_INSTANCE", "a second instance is refused"),
         ("isolation", "SHARED", "instances share their values"),
@@ -63,11 +64,15 @@ DEFECTS = tuple(
         ("call-order", "ORDER", "calls in the wrong mode are done"),
         ("zero-step", "ZERO_STEP", "a step of zero is done"),
         ("bad-step", "BAD_STEP", "a negative step is done"),
+        ("bad-time", "BAD_TIME", "a step from a time of NaN is done"),
+        ("fatal", "FATAL_REFUSAL", "a negative step is fatal"),
+        ("log-refusal", "SILENT_REFUSAL", "a negative step is refused without a message"),
         ("unknown-reference", "UNKNOWN_REFERENCE", "unknown value references are ignored"),
         ("forbidden-write", "FORBIDDEN_WRITE", "everything can be set at any time"),
         ("nonfinite-input", "NAN_SILENT", "NaN goes in and out silently"),
         ("nonfinite-reset", "NAN_STICKS", "a NaN leaves a trace beyond fmi2Reset"),
         ("stop-time", "PAST_STOP", "a step beyond the stop time is done"),
+        ("stop-time", "STOP_DISCARDS", "a step beyond the stop time is discarded"),
         ("stop-early", "STOP_EARLY", "the step to the stop time is refused"),
     )
 )

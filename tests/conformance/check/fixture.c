@@ -363,17 +363,51 @@ fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReferenc
     return BUG(OUTPUT_DERIVATIVES) ? fmi2Error : fmi2OK;
 }
 
+/* What a hostile FMU does with the machine. `sleep 98765.4` is how the tests find what it left behind. */
+static void misbehave(void) {
+    if (BUG(SPOILS))
+        for (int i = 3; i < 16; i++) dprintf(i, "{\"end\": \"everything\"}\nnot an answer\n");
+    if (BUG(HOGS)) {
+        char *taken = malloc(32 << 20);
+        if (taken) memset(taken, 1, 32 << 20);
+        usleep(20000);
+    }
+    if (BUG(BIG_FILE)) {
+        static char block[1 << 20];
+        FILE *file = fopen("big", "a");
+        if (file) fwrite(block, 1, sizeof block, file), fclose(file);
+    }
+    if (BUG(FORKS) && fork() == 0) pause(), _exit(0);
+    if (BUG(ESCAPES) && fork() == 0) {
+        setsid();
+        if (fork() == 0) execlp("sleep", "sleep", "98765.4", NULL);
+        _exit(0);
+    }
+    if (BUG(WRITES)) {
+        FILE *file = fopen(getenv("AHV_TEST_WRITES"), "w");
+        if (file) fputs("written", file), fclose(file);
+    }
+    if (BUG(PRINTS)) printf("{\"rule\": \"dynamic.crash\"}\n"), fflush(stdout);
+}
+
 fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real h, fmi2Boolean no_set_state) {
     Fmu *f = c;
     (void)no_set_state;
     ALLOW(STEPPING);
     if (h < 0.0 || isnan(h)) {
         if (BUG(CRASH_ON_BAD_STEP)) abort();
-        return BUG(BAD_STEP) ? fmi2OK : refuse(f, "the step must be above 0");
+        if (BUG(SILENT_REFUSAL)) return fmi2Error;
+        if (BUG(BAD_STEP)) return fmi2OK;
+        refuse(f, "the step must be above 0");
+        return BUG(FATAL_REFUSAL) ? fmi2Fatal : fmi2Error;
     }
+    if (isnan(time) && !BUG(BAD_TIME)) return refuse(f, "the time must be a number");
     if (h == 0.0) return BUG(ZERO_STEP) ? fmi2OK : refuse(f, "the step must be above 0");
     double stop = BUG(STOP_EARLY) ? f->stop - 0.5 * h : f->stop + 1e-9 * h;
-    if (f->stop_defined && !BUG(PAST_STOP) && time + h > stop) return refuse(f, "beyond the stop time");
+    if (f->stop_defined && !BUG(PAST_STOP) && time + h > stop) {
+        refuse(f, "beyond the stop time");
+        return BUG(STOP_DISCARDS) ? fmi2Discard : fmi2Error;
+    }
     if (BUG(FIXED_STEP) && fabs(h - 0.01) > 1e-9) return refuse(f, "only steps of 0.01");
     if (BUG(STEP_CRASHES) && f->d.i[COUNT] == 3) abort();
     if (BUG(SLOW)) usleep(5000);
@@ -381,6 +415,7 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real h, fmi2Boolean no
     if (BUG(STEP_FAILS) && f->d.i[COUNT] == 3) return refuse(f, "defect");
     if (BUG(STEP_DISCARDS) && f->d.i[COUNT] == 3) return fmi2Discard;
     if (BUG(STEP_PENDING) && f->d.i[COUNT] == 3) return fmi2Pending;
+    misbehave();
     if (BUG(SHARED) && instances > 1 && last_stepped != f) f->d.hidden += 1.0;
     last_stepped = f;
     if (BUG(STEP_LEAK)) memset(malloc(1000), 1, 1000);

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 import zipfile
@@ -107,6 +108,22 @@ def test_path_with_spaces_and_letters_beyond_ascii(tmp_path: Path) -> None:
 def test_our_own_fmus_have_no_error(fmu: Path) -> None:
     report = check(fmu, cycles=100)
     assert report.passed, _told(report)
+
+
+def test_what_is_wrong_with_the_python_flavour_is_named(python_fmus: dict[str, Path]) -> None:
+    """All are properties of pythonfmu's binary: see contract.py."""
+    report = check(python_fmus["AhvPlant"], cycles=100)
+    found = {f.rule: (f.severity, f.found) for f in report.findings}
+    assert found.keys() - {"dynamic.memory"} == {
+        "dynamic.fatal", "dynamic.stop-time", "dynamic.log-refusal", "dynamic.guid", "dynamic.state-free"}
+    severity, text = found["dynamic.fatal"]
+    assert severity == "warning"
+    assert re.fullmatch(r"fmi2Fatal in the state 'instantiated'.*; and 21 more such calls", text)
+    assert found["dynamic.stop-time"] == ("warning", "fmi2Fatal for a step beyond the stop time 0.05")
+
+
+def test_nothing_is_wrong_with_the_native_flavour(native_fmus: dict[str, Path]) -> None:
+    assert _told(check(native_fmus["AhvPlant"], cycles=100)) == []
 
 
 def test_pythonfmu_example_has_its_known_errors_and_no_others(tmp_path: Path) -> None:

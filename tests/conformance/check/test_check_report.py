@@ -20,7 +20,7 @@ from cosim.conformance.rule import RULES
 def test_json_has_the_documented_keys(tmp_path: Path) -> None:
     xml = BASE_XML.replace('stepSize="0.01"', 'stepSize="0"').replace("03:04:05Z", "03:04:05")
     data = json.loads(json.dumps(to_dict(check(write(tmp_path / "Fixture.fmu", members(xml)), dynamic=False))))
-    assert set(data) == {"fmu", "passed", "counts", "findings", "not_tested"}
+    assert set(data) == {"fmu", "passed", "counts", "findings", "not_tested", "sandbox"}
     assert data["passed"] is False
     assert data["counts"] == {"error": 1, "warning": 1, "note": 0}
     assert [finding["rule"] for finding in data["findings"]] == ["experiment.step", "header.date"]

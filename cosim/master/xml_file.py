@@ -1,4 +1,4 @@
-"""The XML files of an SSP: parsed without document types, and validated against the standard's schemas."""
+"""The XML files of SSP: parsed without document types, and validated against the standard's schemas."""
 import re
 from functools import cache
 from pathlib import Path

@@ -1,0 +1,54 @@
+"""An FMU that answers Fatal in a campaign's worker: none of its functions is called any more; the next run flies."""
+from dataclasses import replace
+from pathlib import Path
+
+import fmpy
+import pytest
+import small
+
+from cosim.campaign.plan import Job
+from cosim.campaign.sampling import Sampler
+from cosim.campaign.worker import LoadedSystems, Outcome, Request
+from fmus.native_compiler import cc
+
+FATAL = small.FAULTS.index("fatal")
+REFUSE_INIT = small.FAULTS.index("refuse_init")
+
+
+@pytest.fixture
+def fmus(tmp_path, monkeypatch):
+    """Two files of the small FMU, whose refusal to initialise is Fatal; a call after Fatal leaves a file `called`."""
+    code = Path(small.__file__).with_name("small.c").read_text()
+    used = f'static int dead; static void used(void) {{ if (dead) fclose(fopen("{tmp_path / "called"}", "w")); }}\n'
+    for before, after in (
+            ("fmi2Component fmi2Instantiate", f"{used}fmi2Component fmi2Instantiate"),
+            ("fmi2Reset(fmi2Component c)\n{", "fmi2Reset(fmi2Component c)\n{ used();"),
+            ("fmi2FreeInstance(fmi2Component c) {", "fmi2FreeInstance(fmi2Component c) { used();"),
+            ("fmi2Terminate(fmi2Component c) {", "fmi2Terminate(fmi2Component c) { used();"),
+            ('say(m, fmi2Error, "told not to init', '(dead = 1), say(m, fmi2Fatal, "told not to init'),
+            ("case FATAL: return", "case FATAL: dead = 1; return")):
+        assert before in code
+        code = code.replace(before, after)
+    source = tmp_path / "small.c"
+    source.write_text(code)
+    headers = Path(fmpy.__file__).parent / "c-code"
+    cc("-O2", "-shared", "-fPIC", "-w", f"-I{headers}", source, "-o", tmp_path / "small.so")
+    monkeypatch.setattr(small, "library", lambda folder: tmp_path / "small.so")
+    return small.build(tmp_path), small.build(tmp_path, direct=None)
+
+
+@pytest.mark.parametrize("fault", [REFUSE_INIT, FATAL])
+def test_no_function_is_called_after_fatal_and_the_next_run_flies(fmus, tmp_path, monkeypatch, fault):
+    job = Job("key", {"law": small.pair(*fmus)}, {"law": ["left.y"]}, 0.01, 50, "jacobi", {}, 60.0, {"law": ()},
+              Sampler("random", 1, 3, 1), 0.0, False, 1)
+    systems = LoadedSystems(job, Path("/"))
+    monkeypatch.setattr(systems, "outcome", lambda request, flight, status: Outcome(request, status, flight.message))
+    one = Request(0, "law", {}, {}, False, False)
+    bad = replace(one, values={"left.fault": fault, "left.fault_time": 0.2})
+    try:
+        found = [systems.fly(request) for request in (one, bad, one, bad)]
+    finally:
+        systems.close()
+    assert [o.status for o in found[::2]] == ["finished"] * 2
+    assert all("answered Fatal to fmi2" in o.message and o.status in ("error", "departed") for o in found[1::2])
+    assert not (tmp_path / "called").exists()
