@@ -11,7 +11,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from oracle import starts
 
 from cosim.vehicle.registry import MODELS
 from fmus import floats
@@ -24,7 +23,7 @@ STEPS, DRAWN = 8, 4
 def flown(model, flight):
     """The outputs after STEPS internal steps: inputs vary from step to step, by name the value and its change."""
     changed = flight.get("parameters") or model.PRESETS[flight["preset"]]
-    p = SimpleNamespace(**{**vars(starts(model, "parameter")), **changed})
+    p = SimpleNamespace(**{v.name: v.start for v in variables(model.VARIABLES) if v.causality == "parameter"} | changed)
     h, t = flight["step"], flight["time"]
 
     def inputs(k):
