@@ -7,24 +7,24 @@ from fnmatch import fnmatch
 ROOMS: dict[str, list[tuple[str, list[str] | None]]] = {
     "models": [
         ("ahv_plant_fmu/*", ["unit/test_model_numbers", "unit/test_trim unit/test_coupling unit/test_models",
-                             "unit/test_linearize conformance/test_description system/test_instruments"]),
+                             "unit/test_noise unit/test_instrumented", "conformance/test_description"]),
         ("ahv_ctrl_fmu/resilient*", ["unit/test_model_numbers", "unit/test_models"]),
         ("ahv_ctrl_fmu/*", ["unit/test_model_numbers",
                             "unit/test_linear unit/test_sections unit/test_models unit/test_neural",
-                            "unit/test_linearize conformance/test_description system/test_evidence_claims"]),
+                            "conformance/test_description"]),
         ("cosim/vehicle/scenario_model.py", ["unit/test_model_numbers", "unit/test_scenario unit/test_models",
                                              "conformance/test_description"]),
     ],
     "wrapper": [
         ("fmus/wrapper/windows/*", None),
         ("fmus/wrapper/*.c", ["conformance/test_native_refusals", "conformance/test_native_arguments",
-                              "conformance/test_native_hosts -k sanitizers"]),
+                              "conformance/test_contract", "conformance/test_native_hosts -k sanitizers"]),
     ],
     "fmus": [
         ("fmus/documentation.py", ["unit/test_written_files"]),
         ("fmus/check_model.py", ["unit/test_model_mistakes conformance/test_anybodys_model"]),
         ("fmus/linear*.py", ["unit/test_linearize unit/test_trim", "system/test_linearize_files"]),
-        ("fmus/slave.py", ["conformance/test_python_flavour", "conformance/test_plant_accuracy"]),
+        ("fmus/[rs]*.py", ["unit/test_slave unit/test_models", "conformance/test_contract"]),
         ("fmus/native_compiler.py", ["platforms conformance/test_native_files -k not page"]),
         ("fmus/*.py", ["unit/test_written_files unit/test_units unit/test_models",
                        "unit/test_model_mistakes conformance/test_anybodys_model",
