@@ -1,6 +1,7 @@
 /* A small FMU for tests and measurements of masters: x1' = a11 x1 + a12 x2 + b1 u, x2' = a21 x1 + a22 x2 + b2 u,
    y = c1 x1 + c2 x2 + d u, by Runge and Kutta's fourth-order method in `substeps` steps; whole, truth and text
    inputs that are handed on at each step; and faults on demand. Its twin is small.py: the order of variables. */
+#include <math.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -9,15 +10,17 @@
 #include "fmi2Functions.h"
 
 enum { A11, A12, A21, A22, B1, B2, C1, C2, D, X1, X2, SUBSTEPS, FAULT_TIME, LONGEST, U, Y, Y1, Y2, REALS };
-enum { FAULT, WHOLE_IN, WHOLE_OUT, WHOLES };
-enum { NONE, DISCARD, ERROR_, FATAL, HANG, CRASH, REFUSE_GET, REFUSE_INIT, HANG_INIT };
+enum { FAULT, WHOLE_IN, WHOLE_OUT, ANSWER, WHOLES };
+enum { NONE, DISCARD, ERROR_, FATAL, HANG, CRASH, REFUSE_GET, REFUSE_INIT, HANG_INIT, END, ANSWERS, REFUSE_TEXT, NO_TEXT,
+       CRASH_TERMINATE, CRASH_FREE, HANG_TERMINATE, FATAL_TERMINATE, NOT_A_NUMBER, LEAVE, FATAL_INIT, SLOW_INIT,
+       REFUSE_FREE };
 
 typedef struct {
     fmi2Real r[REALS], slope, time;
     fmi2Integer i[WHOLES];
     fmi2Boolean truth_in, truth_out;
     char text_in[6000], text_out[6000];
-    int stepping;
+    int stepping, ended;
 } State;
 
 typedef struct {
@@ -29,8 +32,22 @@ typedef struct {
 static const State INITIAL = {.r = {[A12] = 1, [A21] = -1, [B2] = 1, [C1] = 1, [SUBSTEPS] = 1, [FAULT_TIME] = 1e9,
                                     [LONGEST] = 1e9}};
 
+int calls_after_fatal; /* of any instance: none is allowed */
+static int dead;
+
+static Instance *alive(fmi2Component c)
+{
+    calls_after_fatal += dead;
+    return c;
+}
+
 static fmi2Status say(Instance *m, fmi2Status status, const char *why)
 {
+    dead |= status == fmi2Fatal;
+#ifdef FORGETS_ENVIRONMENT
+    m->callbacks->logger(m, m->name, status, "logAll", "%s", why);
+    return status;
+#endif
     m->callbacks->logger(m->callbacks->componentEnvironment, m->name, status, "logAll", "%s", why);
     return status;
 }
@@ -57,9 +74,19 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
     m->s = INITIAL;
     m->callbacks = callbacks;
     snprintf(m->name, sizeof m->name, "%s", name);
+#ifdef REFUSE_INSTANCE
+    say(m, fmi2Error, "told not to be made");
+    free(m);
+    return NULL;
+#endif
     return m;
 }
-void fmi2FreeInstance(fmi2Component c) { free(c); }
+void fmi2FreeInstance(fmi2Component c)
+{
+    if (alive(c)->s.i[FAULT] == CRASH_FREE)
+        raise(SIGSEGV);
+    free(c);
+}
 fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean a, fmi2Real b, fmi2Real start, fmi2Boolean d, fmi2Real e)
 {
     ((Instance *)c)->s.time = start;
@@ -67,28 +94,40 @@ fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean a, fmi2Real b, fmi2R
 }
 fmi2Status fmi2EnterInitializationMode(fmi2Component c)
 {
-    Instance *m = c;
+    Instance *m = alive(c);
     while (m->s.i[FAULT] == HANG_INIT)
         sleep(1);
+    if (m->s.i[FAULT] == SLOW_INIT)
+        usleep(300000);
+    if (m->s.i[FAULT] == FATAL_INIT)
+        return say(m, fmi2Fatal, "told never to initialise");
     return m->s.i[FAULT] == REFUSE_INIT ? say(m, fmi2Error, "told not to initialise") : fmi2OK;
 }
 fmi2Status fmi2ExitInitializationMode(fmi2Component c)
 {
-    outputs(&((Instance *)c)->s);
+    outputs(&alive(c)->s);
     ((Instance *)c)->s.stepping = 1;
     return fmi2OK;
 }
-fmi2Status fmi2Terminate(fmi2Component c) { return fmi2OK; }
+fmi2Status fmi2Terminate(fmi2Component c)
+{
+    switch (alive(c)->s.i[FAULT]) {
+    case CRASH_TERMINATE: raise(SIGSEGV);
+    case HANG_TERMINATE: while (1) sleep(1);
+    case FATAL_TERMINATE: return say(c, fmi2Fatal, "told to fail at the end");
+    }
+    return fmi2OK;
+}
 fmi2Status fmi2Reset(fmi2Component c)
 {
-    ((Instance *)c)->s = INITIAL;
+    alive(c)->s = INITIAL;
     return fmi2OK;
 }
 
 #define ACCESS(Type, type, member, count, check)                                                                       \
     fmi2Status fmi2Get##Type(fmi2Component c, const fmi2ValueReference vr[], size_t n, type value[])                   \
     {                                                                                                                  \
-        Instance *m = c;                                                                                               \
+        Instance *m = alive(c);                                                                                        \
         check;                                                                                                         \
         if (!m->s.stepping)                                                                                            \
             outputs(&m->s);                                                                                            \
@@ -101,7 +140,7 @@ fmi2Status fmi2Reset(fmi2Component c)
     }                                                                                                                  \
     fmi2Status fmi2Set##Type(fmi2Component c, const fmi2ValueReference vr[], size_t n, const type value[])             \
     {                                                                                                                  \
-        Instance *m = c;                                                                                               \
+        Instance *m = alive(c);                                                                                        \
         for (size_t k = 0; k < n; k++) {                                                                               \
             if (vr[k] >= count)                                                                                        \
                 return say(m, fmi2Error, "no such variable");                                                          \
@@ -118,15 +157,20 @@ ACCESS(Boolean, fmi2Boolean, &m->s.truth_in, 2, )
 
 fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference vr[], size_t n, fmi2String value[])
 {
-    State *s = &((Instance *)c)->s;
+    State *s = &alive(c)->s;
     if (!s->stepping)
         outputs(s);
+    if (s->i[FAULT] == REFUSE_TEXT && s->time >= s->r[FAULT_TIME])
+        return say(c, fmi2Error, "told not to show texts");
     for (size_t k = 0; k < n; k++)
-        value[k] = vr[k] ? s->text_out : s->text_in;
+        value[k] = s->i[FAULT] == NO_TEXT ? NULL : vr[k] ? s->text_out : s->text_in;
     return fmi2OK;
 }
 fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2String value[])
 {
+    for (size_t k = 0; k < n; k++)
+        if (!strcmp(value[k], "refused"))
+            return say(alive(c), fmi2Error, "this text is refused");
     for (size_t k = 0; k < n; k++)
         snprintf(((Instance *)c)->s.text_in, sizeof ((Instance *)c)->s.text_in, "%s", value[k]);
     return fmi2OK;
@@ -142,9 +186,10 @@ fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference
 
 fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real step, fmi2Boolean keep)
 {
-    Instance *m = c;
+    Instance *m = alive(c);
     State *s = &m->s;
     fmi2Real *r = s->r;
+    int ends = s->i[FAULT] == END && time + step > r[FAULT_TIME];
     if (step > r[LONGEST])
         return say(m, fmi2Discard, "the step is longer than I can take");
     if (time + 1e-9 >= r[FAULT_TIME])
@@ -154,7 +199,14 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real step, fmi2Boolean
         case FATAL: return say(m, fmi2Fatal, "told to fail for good");
         case HANG: while (1) sleep(1);
         case CRASH: raise(SIGSEGV);
+        case ANSWERS: return say(m, s->i[ANSWER], "told what to answer");
+        case NOT_A_NUMBER: r[X1] = 0.0 / 0.0; break;
+        case LEAVE: exit(3);
         }
+#ifndef END_WITH_STEP
+    if (ends) /* as far as it goes */
+        step = r[FAULT_TIME] > time ? r[FAULT_TIME] - time : 0;
+#endif
     int count = r[SUBSTEPS] < 1 ? 1 : (int)r[SUBSTEPS];
     double h = step / count, du = s->slope;
     for (int k = 0; k < count; k++) {
@@ -171,12 +223,39 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real step, fmi2Boolean
     r[U] += du * step;
     s->time = time + step;
     outputs(s);
-    return fmi2OK;
+    s->ended = ends;
+    return ends ? say(m, fmi2Discard, "told to end") : fmi2OK;
 }
 fmi2Status fmi2CancelStep(fmi2Component c) { return fmi2Error; }
 
+fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Boolean *value)
+{
+#ifdef REFUSE_STATUS
+    *value = fmi2True;
+    return say(alive(c), fmi2Discard, "no word of that");
+#endif
+    if (kind != fmi2Terminated)
+        return say(alive(c), fmi2Discard, "there is no such status");
+    *value = alive(c)->s.ended;
+    return fmi2OK;
+}
+fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Real *value)
+{
+#ifdef NO_TIME
+    return fmi2Error;
+#endif
+    if (kind != fmi2LastSuccessfulTime)
+        return say(alive(c), fmi2Discard, "there is no such status");
+    *value = alive(c)->s.time;
+#ifdef ODD_TIME
+    *value = ODD_TIME;
+#endif
+    return fmi2OK;
+}
+
 fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *state)
 {
+    alive(c);
     if (!*state)
         *state = malloc(sizeof(State));
     memcpy(*state, &((Instance *)c)->s, sizeof(State));
@@ -184,13 +263,16 @@ fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *state)
 }
 fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate state)
 {
-    memcpy(&((Instance *)c)->s, state, sizeof(State));
+    memcpy(&alive(c)->s, state, sizeof(State));
     return fmi2OK;
 }
 fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *state)
 {
+    State *s = &alive(c)->s;
     free(*state);
     *state = 0;
+    if (s->i[FAULT] == REFUSE_FREE && s->time >= s->r[FAULT_TIME])
+        return say(c, fmi2Fatal, "told not to free");
     return fmi2OK;
 }
 fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate s, size_t *n) { return fmi2Error; }
@@ -204,7 +286,5 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReferenc
 fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t n,
                                         const fmi2Integer order[], fmi2Real value[]) { return fmi2Error; }
 fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind k, fmi2Status *v) { return fmi2Error; }
-fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind k, fmi2Real *v) { return fmi2Error; }
 fmi2Status fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind k, fmi2Integer *v) { return fmi2Error; }
-fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind k, fmi2Boolean *v) { return fmi2Error; }
 fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind k, fmi2String *v) { return fmi2Error; }

@@ -12,10 +12,12 @@ from fmus.native_compiler import cc
 REALS = ("a11", "a12", "a21", "a22", "b1", "b2", "c1", "c2", "d", "x1", "x2", "substeps", "fault_time", "longest",
          "u", "y", "y1", "y2")
 STARTS = {"a12": 1.0, "a21": -1.0, "b2": 1.0, "c1": 1.0, "substeps": 1.0, "fault_time": 1e9, "longest": 1e9}
-FAULTS = ("none", "discard", "error", "fatal", "hang", "crash", "refuse_get", "refuse_init", "hang_init")
+FAULTS = ("none", "discard", "error", "fatal", "hang", "crash", "refuse_get", "refuse_init", "hang_init", "end",
+          "answers", "refuse_text", "no_text", "crash_terminate", "crash_free", "hang_terminate", "fatal_terminate",
+          "not_a_number", "leave", "fatal_init", "slow_init", "refuse_free")
 START = ' start="{}"'
 TRUE = ' {}="true"'
-OTHERS = ("fault", "whole_in", "whole_out", "truth_in", "truth_out", "text_in", "text_out")
+OTHERS = ("fault", "whole_in", "whole_out", "truth_in", "truth_out", "text_in", "text_out", "answer")
 
 
 def variable(number: int, name: str, kind: str, reference: int, causality: str, start: str = "") -> str:
@@ -26,9 +28,10 @@ def variable(number: int, name: str, kind: str, reference: int, causality: str, 
             f'</ScalarVariable><!-- {number} -->')
 
 
-def describe(identifier: str, direct: bool | None, states: bool, interpolates: bool, others: bool) -> str:
+def describe(identifier: str, direct: bool | None, states: bool, interpolates: bool, others: bool,
+             any_step: bool = True, claims: tuple[str, ...] = ()) -> str:
     """modelDescription.xml; `direct`: y depends on u, does not, or (None) the FMU does not say; `others`: with
-    variables that are not Reals."""
+    variables that are not Reals; `claims`: further capabilities."""
     causality = {"u": "input", "y": "output", "y1": "output", "y2": "output"}
     lines = [variable(i, n, "Real", i - 1, causality.get(n, "parameter"),
                       "" if n in ("y", "y1", "y2") else repr(STARTS.get(n, 0.0))) for i, n in enumerate(REALS, 1)]
@@ -41,40 +44,46 @@ def describe(identifier: str, direct: bool | None, states: bool, interpolates: b
         given = f'<{kind} start="{start}"/>'
         lines.append(variable(at[f"{name}_in"], f"{name}_in", kind, first, "input").replace(f"<{kind}/>", given))
         lines.append(variable(at[f"{name}_out"], f"{name}_out", kind, first + 1, "output"))
+    if others:
+        lines.append(variable(at["answer"], "answer", "Integer", 3, "parameter", "0"))
     behind = "" if direct is None else f' dependencies="{at["u"] if direct else ""}"'
     outputs = [(at["y"], behind), (at["y1"], ' dependencies=""'), (at["y2"], ' dependencies=""'),
                *((at[f"{n}_out"], f' dependencies="{at[f"{n}_in"]}"') for n in ("whole", "truth", "text") if others)]
     unknowns = "".join(f'<Unknown index="{i}"{k}/>' for i, k in outputs)
     return (f'<?xml version="1.0" encoding="UTF-8"?>\n<fmiModelDescription fmiVersion="2.0" modelName="{identifier}" '
             f'guid="{{{identifier}}}"><CoSimulation modelIdentifier="small" '
-            'canHandleVariableCommunicationStepSize="true"'
+            f'{TRUE.format("canHandleVariableCommunicationStepSize") if any_step else ""}'
             f'{TRUE.format("canGetAndSetFMUstate") if states else ""}'
-            f'{TRUE.format("canInterpolateInputs") if interpolates else ""}/>'
+            f'{TRUE.format("canInterpolateInputs") if interpolates else ""}'
+            f'{"".join(TRUE.format(claim) for claim in claims)}/>'
             f'<ModelVariables>{"".join(lines)}</ModelVariables><ModelStructure><Outputs>{unknowns}</Outputs>'
             f'<InitialUnknowns>{unknowns}</InitialUnknowns></ModelStructure></fmiModelDescription>\n')
 
 
-def library(folder: Path) -> Path:
+def library(folder: Path, *flags: str) -> Path:
     """The compiled small.c, once for each content."""
     source = Path(__file__).with_name("small.c")
-    built = folder / f"small_{hashlib.sha256(source.read_bytes()).hexdigest()[:12]}.so"
+    built = folder / f"small_{hashlib.sha256(source.read_bytes() + repr(flags).encode()).hexdigest()[:12]}.so"
     if not built.exists():
         folder.mkdir(parents=True, exist_ok=True)
         headers = Path(fmpy.__file__).parent / "c-code"
-        cc("-O2", "-shared", "-fPIC", "-w", f"-I{headers}", source, "-o", built)
+        cc("-O2", "-shared", "-fPIC", "-w", *flags, f"-I{headers}", source, "-o", built)
     return built
 
 
 def build(folder: Path, direct: bool | None = False, states: bool = True, interpolates: bool = False,
-          others: bool = True) -> Path:
-    """Write a variant of the FMU into `folder` and return its path."""
+          others: bool = True, any_step: bool = True, claims: tuple[str, ...] = (),
+          flags: tuple[str, ...] = ()) -> Path:
+    """Write a variant of the FMU into `folder` and return its path; `flags` are the compiler's."""
     says = {True: "direct", False: "indirect", None: "silent"}[direct]
     identifier = "_".join(["small", says, *(["stateless"] if not states else []),
-                           *(["interpolating"] if interpolates else []), *(["reals"] if not others else [])])
+                           *(["interpolating"] if interpolates else []), *(["reals"] if not others else []),
+                           *(["even"] if not any_step else []), *claims])
     path = folder / f"{identifier}.fmu"
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
-        archive.write(library(folder), "binaries/linux64/small.so")
-        archive.writestr("modelDescription.xml", describe(identifier, direct, states, interpolates, others))
+        archive.write(library(folder, *flags), "binaries/linux64/small.so")
+        archive.writestr("modelDescription.xml",
+                         describe(identifier, direct, states, interpolates, others, any_step, claims))
     return path
 
 

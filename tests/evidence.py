@@ -61,13 +61,12 @@ class Loaded:
 def summary(flight: Flight) -> SimpleNamespace:
     """survived, then altitude error (largest, rms; ft), velocity error (largest; ft/s), travel (deg), saturated (s)."""
     m = metrics(flight)
-    step = float(flight.time[1] - flight.time[0]) if len(flight.time) > 1 else 0.0
     return SimpleNamespace(
         survived=flight.finished and m["altitude_error_ft"]["max_abs"] < DEPARTED,
         h=m["altitude_error_ft"]["max_abs"], h_rms=m["altitude_error_ft"]["rms"],
         V=m["velocity_error_fps"]["max_abs"], travel=m["elevator_deg"]["travel"],
         low=m["elevator_deg"]["min"], high=m["elevator_deg"]["max"],
-        saturated=step * float(flight["controller.elevator_saturated"].sum()))
+        saturated=flight.course("controller.elevator_saturated").time_on())
 
 
 def constant(seed: int, amplitude: float) -> dict[str, float]:

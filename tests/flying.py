@@ -2,7 +2,8 @@
 from contextlib import contextmanager
 from pathlib import Path
 
-from cosim.master.fmu import FmuFile, Instance
+from cosim.master.fmu import FmuFile
+from cosim.master.instance import Instance
 
 
 @contextmanager

@@ -8,14 +8,12 @@ import pyarrow.compute
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from .criteria import METRICS
+from ..vehicle.metrics import HEADLINES, METRICS, OVER_TIME
 from .statistics import Results, interval
 
 WIDTH = 9.0
 POINTS = 2000      # of a scatter plot
 MOST_PANELS = 24
-HISTOGRAMS = ("altitude_error_ft.max_abs", "altitude_error_ft.rms", "velocity_error_fps.max_abs", "elevator_deg.travel")
-UNITS = {"altitude_error_ft": "altitude error (ft)", "velocity_error_fps": "velocity error (ft/s)"}
 FAILURE, SUCCESS = "#c0392b", "#2471a3"
 
 
@@ -49,13 +47,13 @@ def probability(results: list[Results]) -> Figure:
 
 
 def envelopes(results: list[Results], errors: pa.Table, stop: float) -> Figure:
-    """Quantiles over the runs that still fly, at each time; below, how many that are."""
-    made, axes = figure(8.5, len(UNITS) + 1, len(results), sharex=True, sharey="row")
+    """Quantiles over the runs that still fly, at each time (s) up to `stop`; below, how many that are."""
+    made, axes = figure(8.5, len(OVER_TIME) + 1, len(results), sharex=True, sharey="row")
     for column, r in enumerate(results):
         mine = errors.filter(pa.compute.equal(errors["controller"], r.law))
-        for row, (name, label) in enumerate(UNITS.items()):
-            axis, lines = axes[row, column], padded(mine[name])
-            time = np.linspace(0, stop, lines.shape[1])
+        time, by_name = over_time(mine)
+        for row, (name, (label, _)) in enumerate(OVER_TIME.items()):
+            axis, lines = axes[row, column], by_name[name]
             if len(lines):
                 levels = np.nanquantile(lines, [0.0, 0.05, 0.5, 0.95, 1.0], axis=0)
                 axis.fill_between(time, levels[0], levels[4], color=f"C{column}", alpha=0.15, label="all")
@@ -67,8 +65,11 @@ def envelopes(results: list[Results], errors: pa.Table, stop: float) -> Figure:
             axis.set_title(r.law if row == 0 else "")
             axis.set_ylabel(label if column == 0 else "")
             axis.grid(True, alpha=0.3)
-        flying = np.isfinite(padded(mine["altitude_error_ft"]))
-        axes[-1, column].plot(np.linspace(0, stop, flying.shape[1]), 100 * flying.mean(axis=0), color=f"C{column}")
+        flying = 100 * np.isfinite(lines).mean(axis=0)
+        if len(time) and time[-1] < stop * (1 - 1e-9):
+            time, flying = np.append(time, [time[-1], stop]), np.append(flying, [0.0, 0.0])
+        axes[-1, column].plot(time, flying, color=f"C{column}")
+        axes[-1, column].set_xlim(0, stop)
         axes[-1, column].set_ylim(-3, 103)
         axes[-1, column].set_xlabel("time (s)")
         axes[-1, column].grid(True, alpha=0.3)
@@ -77,16 +78,18 @@ def envelopes(results: list[Results], errors: pa.Table, stop: float) -> Figure:
     return made
 
 
-def padded(column: pa.ChunkedArray) -> np.ndarray:
-    """Lists as rows of one length, NaN where a run had ended."""
-    lists = [np.asarray(x, float) for x in column.to_pylist()]
-    lines = np.full((len(lists), max(map(len, lists), default=1)), np.nan)
-    for line, values in zip(lines, lists):
-        line[:len(values)] = values
-    return lines[:, :np.isfinite(lines).any(axis=0).sum() or 1]
+def over_time(errors: pa.Table) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """Time (s), shape (times,), of the run that flew the longest; name -> errors, shape (runs, times), NaN where a run
+    had ended."""
+    time = max((np.asarray(x, float) for x in errors["time"].to_pylist()), key=len, default=np.empty(0))
+    found = {name: np.full((errors.num_rows, len(time)), np.nan) for name in OVER_TIME}
+    for name, lines in found.items():
+        for line, values in zip(lines, errors[name].to_pylist()):
+            line[:len(values)] = values
+    return time, found
 
 
-def histograms(results: list[Results], names: tuple[str, ...] = HISTOGRAMS) -> Figure:
+def histograms(results: list[Results], names: tuple[str, ...] = HEADLINES) -> Figure:
     """How often each value of four metrics occurs."""
     made, axes = figure(6.0, 2, 2)
     for axis, name in zip(axes.flat, names):
@@ -101,7 +104,7 @@ def histograms(results: list[Results], names: tuple[str, ...] = HISTOGRAMS) -> F
                 axis.hist(values, bins, alpha=0.5, label=r.law, color=f"C{i}")
         if log:
             axis.set_xscale("log")
-        axis.set_xlabel(f"{name} ({METRICS[name]})")
+        axis.set_xlabel(f"{name} ({METRICS[name].unit})")
         axis.set_ylabel("runs")
         axis.grid(True, alpha=0.3)
     axes[0, 0].legend(fontsize="small")

@@ -11,13 +11,7 @@ from typing import Annotated, Any
 
 from pydantic import AfterValidator
 
-METRICS = {
-    "altitude_error_ft.max_abs": "ft", "altitude_error_ft.rms": "ft",
-    "velocity_error_fps.max_abs": "ft/s", "velocity_error_fps.rms": "ft/s",
-    "elevator_deg.min": "deg", "elevator_deg.max": "deg", "elevator_deg.travel": "deg",
-    "fuel_ratio.min": "1", "fuel_ratio.max": "1", "phi_hat.velocity_max": "1", "phi_hat.altitude_max": "1",
-    "protected_s": "s", "alpha_margin_deg.min": "deg",
-}
+from ..vehicle.metrics import METRICS
 
 NUMBER, TRUTH = "a number", "true or false"  # what an expression, or a part of one, can be
 

@@ -15,19 +15,15 @@ from ..master.system import System, Value
 from ..master.wiring import checked_connections, recorded_names
 from ..vehicle import scenarios
 from ..vehicle.closed_loop import FLAVOURS, ClosedLoop, assignments, closed_loop, names_file
+from ..vehicle.metrics import METRICS, needed
 from ..vehicle.registry import PLANTS
 from ..vehicle.scenarios import Scenario
 from ..yaml_file import Source
-from .criteria import METRICS, metrics_of
+from .criteria import metrics_of
 from .dispersions import Fmus, all_draws, all_mixings, checked, constants, with_values
 from .sampling import Draw, Sampler
 from .spec import Campaign, Law
 
-COMMANDS = {"scenario.h_command", "scenario.V_command"}  # from which the reference is filtered where no law shows it
-NEEDED = ["plant.h", "plant.V", "plant.h_true", "plant.V_true", "controller.h_reference", "controller.V_reference",
-          "controller.elevator", "controller.fuel_ratio", "controller.phi_hat_1", "controller.phi_hat_2",
-          "controller.protecting", "controller.alpha_limit"]
-ANGLES = ["plant.gamma", "plant.theta", "plant.gamma_true", "plant.theta_true"]  # beside controller.alpha_limit
 TICKS_PER_TASK, MOST_PER_TASK, LEAST_TASKS = 200_000, 200, 16
 
 
@@ -176,12 +172,7 @@ def check_values(source: Source, campaign: Campaign, law: Law, number: int, syst
 def recorded(source: Source, campaign: Campaign, system: System, files: Fmus) -> list[str]:
     """What is recorded of a law: what the metrics need, and what the file asks for where this law has it."""
     known = dict(files)
-    shown = recorded_names(system, known, None)
-    chosen = shown & set(NEEDED)
-    if "controller.alpha_limit" in chosen:
-        chosen |= shown & set(ANGLES)
-    if "controller.h_reference" not in chosen or "controller.V_reference" not in chosen:
-        chosen |= shown & COMMANDS
+    chosen = needed(recorded_names(system, known, None))
     for pattern in campaign.signals.record:
         try:
             chosen |= recorded_names(system, known, [pattern])

@@ -28,7 +28,8 @@ def shown(title: str, total: int, rows: int, successes: int, dashboard: str) -> 
             nonlocal rows, successes
             rows, successes = rows + more, successes + good
             rate = (rows - before) / max(time.monotonic() - began, 1e-9)
-            bar.update(task, completed=rows, rates=f"{rate:.1f} runs/s, {100 * successes / rows:.1f} % successes")
+            share = f"{100 * successes / rows:.1f} % of them successes"
+            bar.update(task, completed=rows, rates=f"{rate:.1f} runs/s, {share}")
 
         yield update
 

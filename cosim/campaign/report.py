@@ -7,6 +7,7 @@ from typing import Any
 
 import pyarrow.parquet as pq
 
+from ..vehicle.metrics import HEADLINES
 from . import charts
 from .plan import Plan
 from .rerun import command
@@ -128,7 +129,7 @@ def side_by_side(summary: dict[str, Any]) -> str:
         *([f"failures of the {whose}", *(f"{x['failures'][whose]:,}" for x in found.values())]
           for whose in ("law", "machinery")),
         *([status, *(f"{x['statuses'].get(status, 0):,}" for x in found.values())] for status in statuses)]
-    for name in charts.HISTOGRAMS:
+    for name in HEADLINES:
         for key in ("median", "p95"):
             rows.append([f"{name}, {key}", *(x["metrics"].get(name, {}).get(key, "") for x in found.values())])
     pairs = "".join(f"<p>{escape(both)} on the same draws: {escape(counts_text(counts))}.</p>"

@@ -7,7 +7,7 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.compute
 
-from .criteria import METRICS
+from ..vehicle.metrics import METRICS
 
 MOST_PHASES = 6
 JUDGED = ("finished", "departed")  # statuses that say something of the law; the others are failures of the machinery

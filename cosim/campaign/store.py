@@ -21,7 +21,7 @@ import pyarrow.parquet as pq
 from ..errors import UsageError
 from ..master.results import prepare_folder
 from ..master.whole_file import whole
-from .criteria import METRICS
+from ..vehicle.metrics import METRICS, OVER_TIME
 from .plan import Plan
 from .worker import Outcome
 
@@ -41,8 +41,8 @@ def schemas(plan: Plan) -> dict[str, pa.Schema]:
             ("success", pa.bool_()), *((f"success.{name}", pa.bool_()) for name in plan.campaign.success),
             ("ticks", pa.int64()), ("departed_at_s", pa.float64()), *((name, pa.float64()) for name in METRICS)]),
         "signals": pa.schema([*key, ("time", pa.float64()), *((name, pa.float64()) for name in recorded)]),
-        "errors": pa.schema([*key, ("altitude_error_ft", pa.list_(pa.float32())),
-                             ("velocity_error_fps", pa.list_(pa.float32()))]),
+        "errors": pa.schema([*key, ("time", pa.list_(pa.float64())),
+                             *((name, pa.list_(pa.float32())) for name in OVER_TIME)]),
     }
 
 

@@ -15,14 +15,14 @@ import numpy as np
 from distributed.diagnostics.plugin import WorkerPlugin
 
 from ..errors import RunError, UsageError
-from ..master import fmu
 from ..master.algorithms import method
 from ..master.flight import Flight, fly_loaded
 from ..master.loaded import Master, open_files
 from ..master.system import System, Value
 from ..master.whole_file import whole
-from ..vehicle.metrics import metrics, tracking_errors
-from .criteria import METRICS, holds
+from ..vehicle.metrics import OVER_TIME, measured
+from ..vehicle.signals import course
+from .criteria import holds
 from .dispersions import with_values
 from .plan import Job
 from .sampling import draw, keeps_signals
@@ -44,7 +44,7 @@ class Request:
 
 @dataclass
 class Outcome:
-    """What a run showed: a row's numbers, errors over time at ENVELOPE_POINTS + 1 times, and signals where wanted."""
+    """What a run showed: a row's numbers, errors over time at ENVELOPE_POINTS + 1 times at most, signals if wanted."""
     request: Request
     status: str  # finished, departed (an FMU ended it), timed-out, error (did not start), crashed (with its worker)
     message: str = ""
@@ -138,13 +138,13 @@ class LoadedSystems:
         system = self.system(law, values)
         if law in self.masters:
             master = self.masters[law][0]
-            for instance in master.instances:  # what FMUs say is kept by their name, which laws share
-                fmu.MESSAGES[instance.name] = instance.messages
             try:
                 master.reset(system)
                 return master
             except RunError:
                 self.drop(law)
+        if any(instance.only_one for master, _ in self.masters.values() for instance in master.instances):
+            self.close()  # an FMU that allows one instance in a process may be in several laws' systems
         with ExitStack() as stack:
             tempfile.tempdir = str(self.folder)  # extracted there, too
             try:
@@ -196,12 +196,12 @@ class LoadedSystems:
 
     def outcome(self, request: Request, flight: Flight, status: str) -> Outcome:
         """What a flight shows of the request."""
-        found = flat(metrics(flight))
-        ended = None if flight.finished else float(flight.time[-1])
+        found = {name: value for name, value in measured(flight).items() if value is not None}
+        ended = None if flight.finished else flight.reached
         success = {name: flight.finished and holds(text, found) for name, text in self.job.success.items()}
         result = Outcome(request, status, flight.message, flight.ticks, ended, found, success)
         if request.envelope:
-            result.errors = errors_over_time(flight, self.job.ticks)
+            result.errors = errors_over_time(flight, self.job.step, self.job.ticks)
         if request.keep or (self.job.keep_failures and not result.succeeded):
             rows = sorted({*range(0, len(flight.time), self.job.decimate), len(flight.time) - 1})
             result.signals = {"time": flight.time[rows],
@@ -209,19 +209,12 @@ class LoadedSystems:
         return result
 
 
-def flat(nested: dict[str, Any]) -> dict[str, float]:
-    """Metrics by their dotted names; one that a law does not have is missing."""
-    found: dict[str, Any] = {}
-    for name, value in nested.items():
-        found |= {f"{name}.{key}": part for key, part in value.items()} if isinstance(value, dict) else {name: value}
-    return {name: float(found[name]) for name in METRICS if found.get(name) is not None}
-
-
-def errors_over_time(flight: Flight, ticks: int) -> dict[str, np.ndarray]:
-    """Errors at fixed shares of the whole time, as far as the flight came."""
-    at = np.unique(np.linspace(0, ticks, ENVELOPE_POINTS + 1).round().astype(int))
-    at = at[at < len(flight.time)]
-    return {name: error[at].astype(np.float32) for name, error in tracking_errors(flight).items()}
+def errors_over_time(flight: Flight, step: float, ticks: int) -> dict[str, np.ndarray]:
+    """Errors at fixed times (s), shares of all `ticks` of `step` seconds, as far as the flight came."""
+    courses = {name: course(flight, signal) for name, (_, signal) in OVER_TIME.items()}
+    times = step * np.unique(np.linspace(0, ticks, ENVELOPE_POINTS + 1).round())
+    times = times[times <= min(one.time[-1] for one in courses.values())]
+    return {"time": times, **{name: one.at(times).astype(np.float32) for name, one in courses.items()}}
 
 
 JOBS: dict[str, Job] = {}

@@ -1,6 +1,5 @@
 """`ahv check`."""
 import json
-import math
 from pathlib import Path
 from typing import Annotated
 
@@ -8,9 +7,6 @@ import typer
 
 from ..errors import RunError, UsageError
 from .options import Json
-
-OPTIONS = {"call_s": "--time-limit", "total_s": "--total-time-limit", "memory_mb": "--memory-limit",
-           "file_mb": "--file-limit", "processes": "--process-limit"}
 
 
 def check(
@@ -33,9 +29,6 @@ def check(
         raise UsageError(f"There is no file {', '.join(missing)}.")
     limits = Limits(call_s=time_limit, total_s=total_time_limit, memory_mb=memory_limit, file_mb=file_limit,
                     processes=process_limit)
-    for name, value in vars(limits).items():
-        if not 0 < value < math.inf:
-            raise UsageError(f"{OPTIONS[name]} {value:g} is not allowed: it must be a positive number.")
     reports = [examine(path, dynamic, limits=limits) for path in fmus]
     if as_json:
         print(json.dumps({"passed": all(r.passed for r in reports), "fmus": [to_dict(r) for r in reports]}))

@@ -24,12 +24,12 @@ def compare(
     """Fly control laws on the same scenario: a table, and figures with a curve for each.
 
     The backstepping law is a reconstruction of the one that the paper compares with. It and the neural law's preset
-    `robust` were tuned by the same script with the same cost and budget.
+    `robust` were tuned with the same cost and budget.
     """
     from ..vehicle.compare import compare as fly
 
     summary, flights, notes = fly(scenario, controller, plant, flavour, step, stop, out)
-    note(notes)
+    note([*notes, *(f"{law}: {warning}" for law, flight in flights.items() for warning in flight.warnings)])
     if as_json:
         print(json.dumps(summary))
     else:
@@ -37,3 +37,4 @@ def compare(
         print(f"{summary['verdict']} Figures: {summary['out']}")
     if not all(flight.finished for flight in flights.values()):
         raise RunError("; ".join(f"{law}: {flight.message}" for law, flight in flights.items() if flight.message))
+    note([f"{law}: {flight.message}" for law, flight in flights.items() if flight.message])

@@ -48,7 +48,8 @@ def run(
 
     done = fly(scenario, controller, chosen_presets(preset), plant, flavour, step, stop, algorithm, assignments(set_),
                uncertainty, decimate, stream, isolate, time_limit, plain, real_time, out, progress=True)
-    note(done.notes)
+    note([*done.notes, *done.flight.warnings])
     report(done.summary, as_json)
     if not done.flight.finished:
         raise RunError(done.flight.message)
+    note([done.flight.message] if done.flight.message else [])

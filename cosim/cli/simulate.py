@@ -6,7 +6,7 @@ import typer
 
 from ..errors import RunError
 from .options import Algorithm, Json, Out
-from .show import report
+from .show import note, report
 
 
 def simulate(
@@ -22,5 +22,6 @@ def simulate(
 
     summary, message = fly(file, step, stop, algorithm, out)
     report(summary, as_json)
-    if message:
+    if not summary["finished"]:
         raise RunError(message)
+    note([message] if message else [])

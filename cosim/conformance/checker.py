@@ -1,7 +1,9 @@
 """The check: unpacks an FMU, reads it, applies the static rules, runs the probes, and removes its temporary files."""
+import math
 import tempfile
 from pathlib import Path
 
+from ..errors import UsageError
 from ..master.unpack import BadArchive, safe_extract
 from . import dynamic, rules  # noqa: F401  (importing the rules registers them)
 from .confined import Limits
@@ -13,6 +15,12 @@ from .subject import Fault, Fmu
 
 def check(path: Path, run_probes: bool, limits: Limits, cycles: int) -> Report:
     """See `cosim.conformance.check`."""
+    for option, value, unit in (("--time-limit", limits.call_s, " of seconds"),
+                                ("--total-time-limit", limits.total_s, " of seconds"),
+                                ("--memory-limit", limits.memory_mb, ""), ("--file-limit", limits.file_mb, ""),
+                                ("--process-limit", limits.processes, "")):
+        if not 0 < value < math.inf:
+            raise UsageError(f"{option} {value:g} must be a positive number{unit}.")
     report = Report(Path(path))
     with tempfile.TemporaryDirectory(prefix="ahv-check-", ignore_cleanup_errors=True) as work:
         try:

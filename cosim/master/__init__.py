@@ -1,10 +1,11 @@
 """The master: flies any system of FMUs.
 
-    system        what to fly, as data                  fmu           FMU files and their instances, through fmpy
-    unpack        archives of unknown origin            dependencies  which output depends on which input
+    system        what to fly, as data                  fmu           FMU files, through fmpy
+    unpack        archives of unknown origin            instance      an instance of an FMU, and what it says
     description   modelDescription.xml as data          declared      what it says of a variable
     quantities    units and conversions                 parameter_set values of presets and of SSP files
     xml_file      XML of SSP, validated                 notes         notes to the user on stderr
+    dependencies  which output depends on which input
     initialise    from instantiated to ready to step    wiring        a loaded system as arrays
     program       what a tick does, as rows of numbers  loop_plain, loop_compiled   what carries programs out
     algorithms    Jacobi, Gauss-Seidel and others       loaded        a loaded system: initialise, run programs, reset

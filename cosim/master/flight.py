@@ -2,9 +2,9 @@
 import signal
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -14,8 +14,9 @@ import numpy as np
 from ..errors import RunError, UsageError, did_you_mean
 from .algorithms import Method, method
 from .algorithms.base import Algorithm, Experiment
-from .fmu import Instance
-from .loaded import Master, open_files
+from .course import Course, terms
+from .instance import Instance
+from .loaded import Ended, Master, open_files
 from .pace import Pace
 from .progress import Progress
 from .recording import CHUNK_ROWS, Recorder, Stream
@@ -37,19 +38,23 @@ class Flight:
     """What a run left: one row of `signals` per recorded tick that was completed, the first at the start time.
 
     `flight["component.variable"]` is one signal, `"component.variable" in flight` and `list(flight)` tell which there
-    are. Values are in the units that the FMUs declare.
+    are. Values are in the units that the FMUs declare. A row shows what each component had last at its time. Rows need
+    not be evenly spaced: `course` gives figures that are weighted by time.
     """
     time: np.ndarray                 # (rows,), s
     signals: np.ndarray              # (rows, columns)
     columns: list[Signal]
     finished: bool
-    message: str                     # why it ended early; empty if it did not
+    message: str                     # why it ended before its stop, or what failed after; empty if nothing did
     startup_s: float                 # loading and initialising
     wall_s: float                    # ticking
     parameters: dict[str, dict[str, Any]]
     fmus: dict[str, dict[str, str]]
     ticks: int = 0                   # steps that were taken
+    reached: float = 0.0             # the end of the last of them, s; it may not be recorded
     lateness: dict[str, float] | None = None   # of a paced run
+    ended_at: float | None = None    # s, where an FMU ended the simulation, which counts as finished
+    periods: dict[str, float] = field(default_factory=dict)   # s, of the components that do not step in every tick
 
     @cached_property
     def places(self) -> dict[str, int]:
@@ -75,6 +80,24 @@ class Flight:
     def has(self, name: str) -> bool:
         """Whether there is a signal called `name`."""
         return name in self
+
+    def together(self, names: Iterable[str]) -> np.ndarray:
+        """Which rows, shape (rows,), have the values of these signals at the same time: those at which all of their
+        components have just stepped. All rows, if they step in every tick."""
+        found = np.ones(len(self.time), bool)
+        for period in {self.periods.get(name.partition(".")[0], 0.0) for name in names} - {0.0}:
+            found &= np.abs(self.time - np.round(self.time / period) * period) < 1e-6 * period
+        return found
+
+    def course(self, expression: str) -> Course:
+        """The course of a signal, or of sums and differences such as `plant.h - controller.h_reference`.
+
+        It has the rows at which all of them are known (see `together`). Raises UsageError for an unknown signal.
+        """
+        parts = terms(expression, self)
+        values = sum(sign * np.asarray(self[name]) for sign, name in parts)
+        rows = self.together(name for _, name in parts)
+        return Course(self.time[rows], np.asarray(values)[rows])
 
     def to_arrow(self) -> Any:
         """A pyarrow.Table: time (s) and every signal, with unit and description in each field's metadata."""
@@ -106,10 +129,22 @@ class Flight:
         return plot(self, names)
 
     @property
+    def warnings(self) -> list[str]:
+        """What a reader should know of the numbers: the signals that are not finite, in one sentence."""
+        strange = ~np.isfinite(self.signals)
+        found = np.flatnonzero(strange.any(axis=0)).tolist()
+        if not found:
+            return []
+        first, names = int(strange.any(axis=1).argmax()), [self.columns[i].name for i in found]
+        more = f" and {len(names) - 5} more signals" if len(names) > 5 else ""
+        return [f"{', '.join(names[:5])}{more} {'is' if len(names) == 1 else 'are'} nan or infinite, first at "
+                f"t = {self.time[first]:.6g} s: figures made of them tell nothing."]
+
+    @property
     def outcome(self) -> str:
         """What happened, in one sentence."""
-        until = f"{self.time[-1]:.6g} s" if len(self.time) else "nowhere"
-        ended = "finished" if self.finished else f"ended early: {self.message.rstrip('.')}"
+        until = f"{self.reached:.6g} s"
+        ended = f"ended early: {self.message.rstrip('.')}" if self.message else "finished"
         return f"Flight of {', '.join(self.fmus)} to {until} in {self.ticks} steps, {ended}."
 
     def __repr__(self) -> str:
@@ -123,6 +158,7 @@ class Flight:
 
 
 Begun = Callable[[Flight, dict[tuple[int, int], tuple[str, str, int]]], None]
+Flown = Callable[[Flight], None]
 
 
 def tick_count(step: float, stop: float) -> int:
@@ -138,17 +174,19 @@ def tick_count(step: float, stop: float) -> int:
 def fly(system: System, step: float, stop: float, algorithm: str | Method = "gauss-seidel",
         progress: Progress | None = None, *, record: list[str] | None = None, decimate: int = 1,
         plain: bool = False, real_time: float | None = None, stream: Path | None = None,
-        recorder: MakeRecorder | None = None, begun: Begun | None = None) -> Flight:
+        recorder: MakeRecorder | None = None, begun: Begun | None = None, flown: Flown | None = None) -> Flight:
     """Fly `system` from 0 to `stop` (s) in communication steps of `step` (s).
 
     `algorithm` is a word as in `algorithms.method`. `record` picks the variables to keep, by component.variable with *
     for any (None: all numeric outputs), `decimate` every how many ticks; `stream` is a Parquet file to
     write them to as they come, and then memory keeps a part only. `plain` takes the tick loop in Python. `real_time`
     paces the run, times that factor. `recorder` makes another place for the rows, and `begun` is told before the first
-    tick what is known by then, with the FMU calls of the programs.
+    tick what is known by then, with the FMU calls of the programs; `flown` is told the flight before its FMUs
+    are ended.
 
     An FMU that refuses a step ends the run early: what was flown is in the result, `finished` is false
-    and `message` names the FMU, the call, the time and its reason. So does Ctrl-C.
+    and `message` names the FMU, the call, the time and its reason. So does Ctrl-C. An FMU may also end the simulation
+    (fmi2Discard with fmi2Terminated): then `finished` is true, and `ended_at` and `message` tell when and why.
 
     Raises UsageError before anything flies if the system or the numbers do not fit; RunError if the
     FMUs cannot be started.
@@ -159,9 +197,12 @@ def fly(system: System, step: float, stop: float, algorithm: str | Method = "gau
     with open_files(system) as files:
         master = Master(system, files, record, plain, decimate > 1)
         try:
-            return fly_loaded(master, chosen, step, ticks, progress, decimate, real_time,
-                              recorder(master.columns) if recorder else make_recorder(master.columns, stream),
-                              begun, began)
+            flight = fly_loaded(master, chosen, step, ticks, progress, decimate, real_time,
+                                recorder(master.columns) if recorder else make_recorder(master.columns, stream),
+                                begun, began)
+            if flown:
+                flown(flight)
+            return flight
         finally:
             master.close()
 
@@ -185,7 +226,8 @@ def fly_loaded(master: Master, chosen: Method, step: float, ticks: int, progress
         master.initialise(0.0, experiment.stop)
         flight = Flight(time=np.empty(0), signals=np.empty((0, len(master.columns))), columns=master.columns,
                         finished=False, message="", startup_s=0.0, wall_s=0.0,
-                        parameters={i.name: inquire(i) for i in master.instances}, fmus=origins(master))
+                        parameters={i.name: inquire(i) for i in master.instances}, fmus=origins(master),
+                        periods=chosen.periods(step))
         flight.startup_s = time.perf_counter() - began
         if begun:
             begun(flight, master.calls())
@@ -195,22 +237,25 @@ def fly_loaded(master: Master, chosen: Method, step: float, ticks: int, progress
         raise
     pace = Pace(real_time, step) if real_time else None
     began = time.perf_counter()
-    flight.message = advance(running, experiment, progress, pace)
+    flight.message, flight.ended_at = advance(running, experiment, progress, pace)
     flight.wall_s = time.perf_counter() - began
     flight.time, flight.signals = recorder.finish()
-    flight.finished, flight.ticks = not flight.message, running.ticks
+    flight.finished, flight.ticks = not flight.message or flight.ended_at is not None, running.ticks
+    flight.reached = running.time
     flight.lateness = pace.report() if pace else None
     return flight
 
 
-def advance(algorithm: Algorithm, experiment: Experiment, progress: Progress | None, pace: Pace | None) -> str:
-    """Advance to the stop in chunks of about CHUNK_S; why it ended early, or an empty text."""
+def advance(algorithm: Algorithm, experiment: Experiment, progress: Progress | None, pace: Pace | None
+            ) -> tuple[str, float | None]:
+    """Advance to the stop in chunks of about CHUNK_S; why it ended early, or an empty text, and the time (s) at which
+    an FMU ended the simulation if one did."""
     most, limit = 16, CHUNK_ROWS * experiment.decimate
     with interruptions() as interrupted:
         try:
             while not algorithm.done:
                 if interrupted:
-                    return f"Interrupted at t = {algorithm.time:.6g} s."
+                    return f"Interrupted at t = {algorithm.time:.6g} s.", None
                 if pace:
                     pace.wait(algorithm.time, interrupted)
                 chunk = time.perf_counter()
@@ -219,9 +264,11 @@ def advance(algorithm: Algorithm, experiment: Experiment, progress: Progress | N
                 most = max(1, min(int(most * min(4.0, CHUNK_S / max(took, 1e-9))), limit))
                 if progress:
                     progress(algorithm.time)
+        except Ended as end:
+            return str(end), end.time
         except RunError as error:
-            return str(error)
-    return ""
+            return str(error), None
+    return "", None
 
 
 @contextmanager

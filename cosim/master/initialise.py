@@ -9,7 +9,8 @@ import numpy as np
 
 from ..errors import RunError
 from .dependencies import strongly_connected, value_needs
-from .fmu import FmuFile, Instance
+from .fmu import FmuFile
+from .instance import Instance
 from .system import Connection, System
 
 MOST_PASSES = 200
@@ -50,7 +51,7 @@ class Exchange:
         component = batch[0].partition(".")[0]
         instance, names = self.instances[component], [n.partition(".")[2] for n in batch]
         if batch[0] not in self.targets:
-            self.known.update(zip(batch, instance.get_any(names)))
+            self.known.update(zip(batch, instance.get(names)))
             return
         values = {}
         for full, name in zip(batch, names):

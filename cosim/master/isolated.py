@@ -1,7 +1,7 @@
 """A flight in a process of its own: an FMU that crashes or hangs ends the flight, not the program.
 
-The process is a fork, which sends recorded rows as they come. Its current FMU call is in shared memory, so that the
-message can name it; so are rows that were not sent yet.
+The process is a fork, which sends recorded rows as they come. The FMU call that is under way is in shared memory, so
+that the message can name it; so are rows that were not sent yet.
 """
 import os
 import signal
@@ -17,6 +17,7 @@ import numpy as np
 
 from ..errors import RunError, UsageError
 from . import last_call
+from . import program as P
 from .flight import Flight, fly, interruptions, make_recorder
 from .progress import Progress
 from .recording import CHUNK_ROWS, Recorder
@@ -41,11 +42,11 @@ class Sender(Recorder):
 
     def took(self, used: int) -> None:
         super().took(used)
-        self.master_cursor()[2] = 0  # handed over: not to be looked for in shared memory
+        self.master_cursor()[P.ROWS] = 0  # handed over: not to be looked for in shared memory
 
     @staticmethod
     def master_cursor() -> np.ndarray:
-        """The loop's cursor, see `loop_compiled.kernel`."""
+        """The loop's cursor, see `program`."""
         assert last_call.place is not None
         return last_call.place.cursor
 
@@ -68,7 +69,8 @@ def fly_isolated(system: System, step: float, stop: float, algorithm: str, progr
         if child == 0:
             run_child(theirs, place, folder, lambda begun: fly(
                 system, step, stop, algorithm, (lambda t: theirs.send(("progress", t))) if progress else None,
-                recorder=lambda columns: Sender(columns, theirs, place), begun=begun, **options))
+                recorder=lambda columns: Sender(columns, theirs, place), begun=begun,
+                flown=lambda flight: theirs.send(("flown", flight)), **options))
         theirs.close()
         return Parent(child, ours, place, stream, progress, time_limit).wait()
 
@@ -93,12 +95,16 @@ class Parent:
         self.child, self.end, self.place, self.stream, self.progress = child, end, place, stream, progress
         self.limit = limit
         self.recorder: Recorder | None = None
-        self.head: Flight | None = None
+        self.head: Flight | None = None   # what is known before the first tick; all that is, once it has flown
+        self.flown = False
         self.calls: dict[tuple[int, int], tuple[str, str, int]] = {}
         self.begun = time.perf_counter()
 
     def wait(self) -> Flight:
-        """The flight, once the child has ended. Raises the child's error, and RunError if it ended before a tick."""
+        """The flight, once the child has ended. Raises the child's error, and RunError if it ended before a tick.
+
+        Only the time within one FMU call counts for the limit.
+        """
         seen, since = self.position(), time.monotonic()
         with interruptions() as interrupted:
             while True:
@@ -112,10 +118,9 @@ class Parent:
                         continue
                 except EOFError:
                     _, status = os.waitpid(self.child, 0)
-                    how = signal.Signals(os.WTERMSIG(status)).name if os.WIFSIGNALED(status) else "its end"
-                    return self.broken(f"crashed ({how}) in")
+                    return self.broken(f"{cause_of_death(status)} in")
                 now = self.position()
-                if now != seen:
+                if now != seen or self.place.stage[0] == last_call.OUTSIDE:
                     seen, since = now, time.monotonic()
                 elif self.limit is not None and time.monotonic() - since > self.limit:
                     self.kill()
@@ -129,9 +134,9 @@ class Parent:
         os.kill(self.child, signal.SIGKILL)
         os.waitpid(self.child, 0)
 
-    def position(self) -> tuple[Any, ...]:
+    def position(self) -> int:
         """What changes with every FMU call of the child."""
-        return (*self.place.cursor.tolist(), *self.place.span.tolist(), self.place.read(last_call.NOTE))
+        return int(self.place.cursor[P.CALLS])
 
     def take(self, item: tuple[Any, ...]) -> Flight | None:
         """Handle a message of the child; the flight if it is the last one. Raises the child's error."""
@@ -144,6 +149,8 @@ class Parent:
         elif kind == "rows":
             assert self.recorder is not None
             self.recorder.keep(*rest)
+        elif kind == "flown":
+            self.head, self.flown = rest[0], True
         elif kind == "error":
             os.waitpid(self.child, 0)
             raise rest[0]
@@ -160,22 +167,46 @@ class Parent:
         Raises RunError if the process ended before the first tick.
         """
         message = self.place.read(last_call.LOGGED)
-        last_message = f"; it had said: {message}" if message else ""
+        sentence = f"{self.told(how)}{f'; it had said: {message}' if message else ''}"
         if self.head is None or self.recorder is None:
-            who, _, call = self.place.read(last_call.NOTE).partition(": ")
-            raise RunError(f"{who} {how} {call}{last_message}")
-        tick, _, used, code, index = self.place.cursor.tolist()
-        who, call, late = self.calls.get((code, index), ("An FMU", "a call", 0))
-        start, step = self.place.span.tolist()
+            raise RunError(sentence)
+        tick, _, used, _, _, _, steps = self.place.cursor.tolist()
         columns = self.head.columns
         if used and (len(columns) + 1) * (CHUNK_ROWS + 1) <= len(self.place.doubles):
             rows = self.place.doubles[CHUNK_ROWS + 1:][:used * len(columns)].reshape(-1, len(columns))
             self.recorder.keep(self.place.doubles[:used].copy(), rows.copy())
         flight = self.head
         flight.time, flight.signals = self.recorder.finish()
-        flight.finished, flight.ticks, flight.wall_s = False, tick, time.perf_counter() - self.begun
-        flight.message = f"{who} {how} {call} at t = {start + (tick + late) * step:.6g} s{last_message}"
+        if self.flown:  # what follows is the end of its FMUs
+            sentence = f"{flight.message.rstrip('.')}; then {sentence}" if flight.message else sentence
+        else:
+            start, step = self.place.span.tolist()
+            flight.ticks, flight.wall_s = tick if steps < 0 else steps, time.perf_counter() - self.begun
+            flight.reached = start + tick * step
+        flight.finished, flight.message = False, sentence
         return flight
+
+    def told(self, how: str) -> str:
+        """Who did `how` in which call, and when if it was a tick's."""
+        stage, (tick, _, _, code, index, _, _) = self.place.stage[0], self.place.cursor.tolist()
+        if stage == last_call.OUTSIDE:
+            return f"The process of the flight {how.rpartition(' ')[0]} outside of all FMU calls"
+        if stage == last_call.CALLING:
+            who, _, call = self.place.read(last_call.NOTE).partition(": ")
+            return f"{who} {how} {call}"
+        if (code, index) not in self.calls:
+            return f"An FMU {how} the exchange of initial values"
+        (who, call, late), (start, step) = self.calls[code, index], self.place.span.tolist()
+        return f"{who} {how} {call} at t = {start + (tick + late) * step:.6g} s"
+
+
+def cause_of_death(status: int) -> str:
+    """What a process did that ended with `status`, as os.waitpid tells it."""
+    if not os.WIFSIGNALED(status):
+        return f"ended its process (exit status {os.WEXITSTATUS(status)})"
+    number = os.WTERMSIG(status)
+    known = number in signal.valid_signals() and number in set(signal.Signals)
+    return f"crashed ({signal.Signals(number).name if known else f'signal {number}'})"
 
 
 def launch(system: System, step: float, stop: float, algorithm: str = "gauss-seidel", progress: Progress | None = None,

@@ -1,4 +1,4 @@
-"""The current FMU call and the last log message in shared memory, where a parent process reads them after a crash.
+"""The FMU call that is under way and the last log message in shared memory: a parent process reads them after a crash.
 
 `Place` is memory that a process and its fork share; `place` is the one in use. Without isolation there is none, and
 nothing is kept.
@@ -7,8 +7,11 @@ import mmap
 
 import numpy as np
 
+from . import program
+
 LINE = 1024
-CURSOR, SPAN, NOTE, LOGGED, ROWS = 0, 256, 512, 512 + LINE, 4096
+CURSOR, STAGE, SPAN, NOTE, LOGGED, ROWS = 0, 128, 256, 512, 512 + LINE, 4096
+OUTSIDE, CALLING, TICKING = range(3)  # of FMU calls; in the one that NOTE names; in those of the tick loop
 ROOM = 1 << 26  # for rows that are not handed over yet; untouched memory costs nothing
 
 
@@ -16,7 +19,9 @@ class Place:
     """Shared memory: the loop's cursor and times, two lines of text, and rows that are not handed over yet."""
     def __init__(self) -> None:
         self.memory = mmap.mmap(-1, ROWS + ROOM)
-        self.cursor = np.frombuffer(self.memory, np.int64, 5, CURSOR)   # see `loop_compiled.kernel`
+        self.cursor = np.frombuffer(self.memory, np.int64, 7, CURSOR)   # see `program`
+        self.cursor[:] = program.cursor()
+        self.stage = np.frombuffer(self.memory, np.int64, 1, STAGE)
         self.span = np.frombuffer(self.memory, np.float64, 2, SPAN)     # start and step of the ticks
         self.doubles = np.frombuffer(self.memory, np.float64, ROOM // 8, ROWS)
 
@@ -33,10 +38,19 @@ class Place:
 place: Place | None = None
 
 
-def note(text: str) -> None:
-    """Keep the name of the call that comes next, outside of ticks."""
+def begin(call: str = "") -> None:
+    """An FMU call begins: `call`, or if that is empty those of the tick loop."""
     if place is not None:
-        place.write(NOTE, text)
+        if call:
+            place.write(NOTE, call)
+        place.cursor[program.CALLS] += 1
+        place.stage[0] = CALLING if call else TICKING
+
+
+def end() -> None:
+    """The call has come back."""
+    if place is not None:
+        place.stage[0] = OUTSIDE
 
 
 def logged(text: str) -> None:

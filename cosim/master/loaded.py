@@ -12,13 +12,22 @@ import numpy as np
 from ..errors import RunError
 from . import last_call
 from . import program as P
-from .fmu import FmuFile, Instance
+from .fmu import FmuFile
 from .initialise import initialise
+from .instance import DISCARD, Instance
 from .system import System, Value
 from .wiring import LONGEST_TEXT, Signal, Wirer, Wiring, checked_connections, recorded_names
 
 CALLS = {P.SET: "fmi2Set{}", P.PREDICT: "fmi2Set{}", P.SLOPE: "fmi2SetRealInputDerivatives", P.GET: "fmi2Get{}",
          P.STEP: "fmi2DoStep", P.SAVE: "fmi2GetFMUstate", P.RESTORE: "fmi2SetFMUstate"}
+
+
+class Ended(RunError):
+    """An FMU ended the simulation, which it may: the run is over, and `time` (s) is the last that the FMU computed."""
+
+    def __init__(self, sentence: str, time: float):
+        super().__init__(sentence)
+        self.time = time
 
 
 class Loop(Protocol):
@@ -55,7 +64,7 @@ class Master:
             raise
         self.number = {c.name: i for i, c in enumerate(system.components)}
         self.loop = make_loop(plain, self.wiring)
-        self.cursor = last_call.place.cursor if last_call.place else np.zeros(5, np.int64)
+        self.cursor = last_call.place.cursor if last_call.place else P.cursor()
         self.span = last_call.place.span if last_call.place else np.zeros(2)
 
     def checked_values(self, system: System) -> dict[str, dict[str, Value]]:
@@ -89,7 +98,7 @@ class Master:
     def reset(self, system: System) -> None:
         """Back to before initialisation, to fly `system`: the same components and connections, other values.
 
-        Raises UsageError for values that do not fit, RunError if an FMU refuses.
+        Raises UsageError for values that do not fit, RunError if an FMU refuses, or has answered Fatal before.
         """
         self.values = self.checked_values(system)
         self.free_states()
@@ -119,27 +128,50 @@ class Master:
         """Carry out `ops` on `count` ticks from the tick `first`; the status of the call that failed, or 0.
 
         Tick k begins at start + k * step (s); `rows` and `times` get every `decimate`-th tick (0: none), see
-        `loop_compiled.kernel`.
+        `loop_compiled.kernel`. Raises RunError if an FMU has answered Fatal before.
         """
+        for instance in self.instances:
+            instance.need_alive()
         self.span[:] = start, step
-        return self.loop.run(ops, rows, times, self.cursor, first, count, start, step, decimate)
+        last_call.begin()
+        status = self.loop.run(ops, rows, times, self.cursor, first, count, start, step, decimate)
+        last_call.end()
+        if status not in (0, P.TOO_LONG):
+            self.refusing(ops)[0].answered(status)
+        return status
 
     def run(self, ops: np.ndarray, first: int, count: int, start: float, step: float) -> None:
         """Carry out `ops` without recording. Raises RunError for a failed call."""
         self.check(self.attempt(ops, first, count, start, step, NO_ROWS, NO_TIMES, 0), ops, start, step)
 
     def check(self, status: int, ops: np.ndarray, start: float, step: float) -> None:
-        """Raise RunError unless `status` is OK: the call where the cursor stands, with the FMU's own words."""
+        """Raise RunError unless `status` is OK: the call where the cursor stands, with the FMU's own words.
+
+        Raises Ended, which is a RunError, if the FMU says that it discarded a step because the simulation ends.
+        """
         if status == 0:
             return
-        tick, at = int(self.cursor[0]), int(self.cursor[1])
-        component, call, late = self.described(*ops[at, :2].tolist())
-        time = start + (tick + late) * step
-        instance = self.instances[component]
+        instance, call, late = self.refusing(ops)
+        time = start + (int(self.cursor[P.TICK]) + late) * step
         if status == P.TOO_LONG:
-            raise RunError(f"{instance.name} ({instance.file.path.name}) shows a text longer than {LONGEST_TEXT - 1} "
-                           f"bytes at t = {time:.6g} s.")
+            raise RunError(f"{instance.label} shows a text longer than {LONGEST_TEXT - 1} bytes at t = {time:.6g} s.")
+        if status == DISCARD:
+            self.check_end(ops, time, step)
         instance.check(status, call, time)
+
+    def check_end(self, ops: np.ndarray, time: float, step: float) -> None:
+        """Raise Ended if an FMU has discarded the step of `ops` from `time` (s) because the simulation ends."""
+        instance, _, _ = self.refusing(ops)
+        code, _, _, _, reach = ops[self.cursor[P.AT]].tolist()
+        ended = instance.ended_at(time, time + reach * step) if code == P.STEP else None
+        if ended is not None:
+            why = f": {instance.reason}" if instance.messages else "."
+            raise Ended(f"{instance.label} ended the simulation at t = {ended:.6g} s{why}", ended)
+
+    def refusing(self, ops: np.ndarray) -> tuple[Instance, str, int]:
+        """The instance, FMI call, and 1 if it belongs to the end of the tick, of the row where the cursor stands."""
+        component, call, late = self.described(*ops[self.cursor[P.AT], :2].tolist())
+        return self.instances[component], call, late
 
     def described(self, code: int, index: int) -> tuple[int, str, int]:
         """(component, FMI call, 1 if it belongs to the end of the tick) of a row of a program."""
@@ -156,7 +188,7 @@ class Master:
             for index in range(len(self.wiring.every_group) if of_groups else len(self.instances)):
                 component, call, late = self.described(code, index)
                 instance = self.instances[component]
-                found[code, index] = f"{instance.name} ({instance.file.path.name})", call, late
+                found[code, index] = instance.label, call, late
         return found
 
     def cannot_save(self) -> list[str]:

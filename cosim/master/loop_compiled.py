@@ -20,13 +20,14 @@ CALL, POINTER, REFERENCES, COUNT, BUFFER, FIRST, KIND, OWNER = 0, 1, 2, 3, 4, 5,
 SET_SLOPES, SLOPES, ORDERS = 8, 9, 10
 REAL, WHOLE, TEXT = 0, 1, 2
 INSTANCE, DO_STEP, GET_STATE, SET_STATE, FREE_STATE, SLOTS_FROM, SLOTS_TO = 0, 1, 2, 3, 4, 5, 6
-LAST_BYTE, TOO_LONG = 4095, 100
+LAST_BYTE, TOO_LONG = 4095, 1 << 32
+TICK, AT, USED, CODE, INDEX, CALLS = 0, 1, 2, 3, 4, 5
 for _name in ("SET", "PREDICT", "SLOPE", "STEP", "GET", "MARK", "SAVE", "RESTORE", "CALL", "POINTER", "REFERENCES",
               "COUNT", "BUFFER", "FIRST", "KIND", "OWNER", "SET_SLOPES", "SLOPES", "ORDERS", "REAL", "WHOLE", "TEXT",
               "INSTANCE", "DO_STEP", "GET_STATE", "SET_STATE", "FREE_STATE", "SLOTS_FROM", "SLOTS_TO",
-              "TOO_LONG"):
+              "TOO_LONG", "TICK", "AT", "CODE", "INDEX", "CALLS"):
     assert globals()[_name] == getattr(program, _name), _name
-assert LAST_BYTE == LONGEST_TEXT - 1
+assert (LAST_BYTE, USED) == (LONGEST_TEXT - 1, program.ROWS)
 
 
 I32, I64, F64 = ir.IntType(32), ir.IntType(64), ir.DoubleType()
@@ -54,26 +55,28 @@ def kernel(ops: Array, groups: Array, components: Array, where: Array, factor: A
            wholes: Array, pointers: Array, slopes: Array, signals: Array, before: Array, clock: Array, holder: Array,
            smooth: Array, texts: Array, text_place: int, states: Array, state_place: int, strncpy: int,
            recorded: Array, rows: Array, times: Array, cursor: Array,
-           first: int, count: int, start: float, step: float, decimate: int) -> np.int32:
+           first: int, count: int, start: float, step: float, decimate: int) -> np.int64:
     """Ticks first ... first + count - 1, of `step` from `start`; a row of the recorded signals after each tick whose
-    number, counted from 1, `decimate` divides (0: none). Returns 0, or the status of the call that failed; `cursor`
-    has the tick, the row of `ops`, the number of rows written, and the row's code and index, at any time."""
+    number, counted from 1, `decimate` divides (0: none); a signal that is marked for later shows what it was before.
+    Returns 0, or the status of the call that failed, which is any but OK and Warning; `cursor` tells where it is, see
+    `program`."""
     for tick in range(first, first + count):
-        cursor[0] = tick
+        cursor[TICK] = tick
         t = start + tick * step
         for i in range(ops.shape[0]):
             if ops[i, 2] != 1 and tick % ops[i, 2] != ops[i, 3]:
                 continue
             code, g = ops[i, 0], ops[i, 1]
-            cursor[1], cursor[3], cursor[4] = i, code, g
-            status = np.int32(0)
+            cursor[AT], cursor[CODE], cursor[INDEX] = i, code, g
+            cursor[CALLS] += 1
+            status = np.int64(0)
             if code == STEP:
                 status = call_step(components[g, DO_STEP], components[g, INSTANCE], t, ops[i, 4] * step,
                                    np.int32(states[g] == 0))  # not 0: it may be set back yet
             elif code == GET:
                 status = call_4(groups[g, CALL], groups[g, POINTER], groups[g, REFERENCES], groups[g, COUNT],
                                 groups[g, BUFFER])
-                if status <= 1:
+                if status == 0 or status == 1:
                     kind, a = groups[g, KIND], groups[g, FIRST]
                     if kind == REAL:
                         for p in range(a, a + groups[g, COUNT]):
@@ -83,9 +86,12 @@ def kernel(ops: Array, groups: Array, components: Array, where: Array, factor: A
                             signals[where[p]] = wholes[p]
                     else:
                         for p in range(a, a + groups[g, COUNT]):
-                            call_4(strncpy, text_place + where[p] * (LAST_BYTE + 1), pointers[p], LAST_BYTE + 1, 0)
+                            if pointers[p] == 0:  # counts as an empty text
+                                texts[where[p], 0] = 0
+                            else:
+                                call_4(strncpy, text_place + where[p] * (LAST_BYTE + 1), pointers[p], LAST_BYTE + 1, 0)
                             if texts[where[p], LAST_BYTE] != 0:
-                                status = np.int32(TOO_LONG)
+                                status = np.int64(TOO_LONG)
             elif code <= SLOPE:
                 kind, a = groups[g, KIND], groups[g, FIRST]
                 if kind == WHOLE:
@@ -106,7 +112,7 @@ def kernel(ops: Array, groups: Array, components: Array, where: Array, factor: A
                         reals[p] = factor[p] * value + offset[p]
                 status = call_4(groups[g, CALL], groups[g, POINTER], groups[g, REFERENCES], groups[g, COUNT],
                                 groups[g, BUFFER])
-                if code == SLOPE and status <= 1:
+                if code == SLOPE and (status == 0 or status == 1):
                     status = call_5(groups[g, SET_SLOPES], groups[g, POINTER], groups[g, REFERENCES],
                                     groups[g, COUNT], groups[g, ORDERS], groups[g, SLOPES])
             elif code == MARK:
@@ -116,20 +122,24 @@ def kernel(ops: Array, groups: Array, components: Array, where: Array, factor: A
                 clock[g, 0] = t + ops[i, 4] * step
             elif code == SAVE:
                 if states[g] != 0:
-                    call_2(components[g, FREE_STATE], components[g, INSTANCE], state_place + 8 * g)
+                    status = call_2(components[g, FREE_STATE], components[g, INSTANCE], state_place + 8 * g)
                     states[g] = 0
-                status = call_2(components[g, GET_STATE], components[g, INSTANCE], state_place + 8 * g)
+                if status == 0 or status == 1:
+                    status = call_2(components[g, GET_STATE], components[g, INSTANCE], state_place + 8 * g)
             elif code == RESTORE:
                 status = call_2(components[g, SET_STATE], components[g, INSTANCE], states[g])
-            if status > 1:
+            if status != 0 and status != 1:
                 return status
         if decimate > 0 and (tick + 1) % decimate == 0:
-            used = cursor[2]
+            used = cursor[USED]
+            now = start + (tick + 1) * step
             for c in range(recorded.shape[0]):
-                rows[used, c] = signals[recorded[c]]
-            times[used] = start + (tick + 1) * step
-            cursor[2] = used + 1
-    return np.int32(0)
+                s = recorded[c]
+                due = clock[holder[s], 0] <= now + 0.5 * step
+                rows[used, c] = signals[s] if due else before[s]
+            times[used] = now
+            cursor[USED] = used + 1
+    return np.int64(0)
 
 
 class Loop:
@@ -140,8 +150,10 @@ class Loop:
         self.tables = (w.groups, w.components, w.where, w.factor, w.offset, w.reals, w.wholes, w.pointers, w.slopes,
                        w.signals, w.before, w.clock, w.holder, w.smooth, w.texts, w.texts.ctypes.data, w.states,
                        w.states.ctypes.data, strncpy_address(), w.recorded)
+        nothing = program.program(()), np.empty((0, 0)), np.empty(0), program.cursor()
+        self.run(*nothing, 0, 0, 0.0, 0.0, 0)  # compiles now, and not within the first tick
 
     def run(self, ops: Array, rows: Array, times: Array, cursor: Array,
             first: int, count: int, start: float, step: float, decimate: int) -> int:
         """Carry out `ops`; see `kernel`."""
-        return int(kernel(ops, *self.tables, rows, times, cursor, first, count, start, step, decimate))
+        return int(kernel(ops, *self.tables, rows, times, cursor, first, count, float(start), float(step), decimate))

@@ -13,6 +13,7 @@ TRANSFER_SLOPES = ctypes.CFUNCTYPE(WHOLE, POINTER, POINTER, SIZE, POINTER, POINT
 DO_STEP = ctypes.CFUNCTYPE(WHOLE, POINTER, REAL, REAL, WHOLE)
 STATE = ctypes.CFUNCTYPE(WHOLE, POINTER, POINTER)
 COPY = ctypes.CFUNCTYPE(POINTER, POINTER, POINTER, SIZE)
+DONE = (0, 1)  # OK and Warning
 
 
 class Bound:
@@ -49,19 +50,22 @@ class Loop:
         w = self.wiring
         listed = [(i, self.actions[code], code, *rest) for i, (code, *rest) in enumerate(ops.tolist())]
         for tick in range(first, first + count):
-            cursor[0] = tick
+            cursor[P.TICK] = tick
             t = start + tick * step
             for i, action, code, index, period, phase, reach in listed:
                 if period != 1 and tick % period != phase:
                     continue
-                cursor[1], cursor[3], cursor[4] = i, code, index
+                cursor[P.AT], cursor[P.CODE], cursor[P.INDEX] = i, code, index
+                cursor[P.CALLS] += 1
                 status = action(code, index, t, reach * step, step)
-                if status > 1:
+                if status not in DONE:
                     return int(status)
             if decimate > 0 and (tick + 1) % decimate == 0:
-                rows[cursor[2]] = w.signals[w.recorded]
-                times[cursor[2]] = start + (tick + 1) * step
-                cursor[2] += 1
+                now = start + (tick + 1) * step
+                due = w.clock[w.holder[w.recorded], 0] <= now + 0.5 * step
+                rows[cursor[P.ROWS]] = np.where(due, w.signals[w.recorded], w.before[w.recorded])
+                times[cursor[P.ROWS]] = now
+                cursor[P.ROWS] += 1
         return 0
 
     def set(self, code: int, index: int, t: float, reach: float, step: float) -> int:
@@ -86,7 +90,7 @@ class Loop:
             group.slopes[i] = group.factor[i] * slope
             group.values[i] = group.factor[i] * value + group.offset[i]
         status = group.call(*group.arguments)
-        if code == P.SLOPE and status <= 1:
+        if code == P.SLOPE and status in DONE:
             assert group.slopes_call is not None
             status = group.slopes_call(*group.slopes_arguments)
         return int(status)
@@ -100,13 +104,16 @@ class Loop:
         """Read a group's variables into the signals; TOO_LONG for a text that does not fit."""
         w, group = self.wiring, self.groups[index]
         status = int(group.call(*group.arguments))
-        if status > 1:
+        if status not in DONE:
             return status
         if group.kind != P.TEXT:
             w.signals[group.where] = group.values
             return status
         for place, text in zip(group.where.tolist(), group.values.tolist()):
-            self.copy(w.texts.ctypes.data + place * LONGEST_TEXT, text, LONGEST_TEXT)
+            if text:
+                self.copy(w.texts.ctypes.data + place * LONGEST_TEXT, text, LONGEST_TEXT)
+            else:  # a null pointer counts as an empty text
+                w.texts[place, 0] = 0
             if w.texts[place, -1]:
                 status = P.TOO_LONG
         return status
@@ -123,10 +130,11 @@ class Loop:
         """fmi2GetFMUstate, in place of the state saved before."""
         w, component = self.wiring, self.components[index]
         place = w.states.ctypes.data + 8 * index
+        status = 0
         if w.states[index]:
-            component[P.FREE_STATE](component[P.INSTANCE], place)
+            status = int(component[P.FREE_STATE](component[P.INSTANCE], place))
             w.states[index] = 0
-        return int(component[P.GET_STATE](component[P.INSTANCE], place))
+        return int(component[P.GET_STATE](component[P.INSTANCE], place)) if status in DONE else status
 
     def restore(self, code: int, index: int, t: float, reach: float, step: float) -> int:
         """fmi2SetFMUstate of the saved state."""

@@ -7,6 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure  # without pyplot, which keeps every figure
 
 from ..errors import UsageError
+from .course import terms
 
 if TYPE_CHECKING:
     from .flight import Flight
@@ -22,25 +23,26 @@ class Picture(Figure):
 
 
 class Curve(NamedTuple):
-    """A signal, or a difference of two, with its values in the unit that is shown."""
+    """A signal, or a difference of two, over time (s), with its values in the unit that is shown."""
     label: str
     unit: str           # empty where there is none
     difference: bool    # much smaller than the signals, as a rule: not in the same panel
+    time: np.ndarray
     values: np.ndarray
 
 
 def curve(flight: "Flight", expression: str) -> Curve:
     """The curve of `a` or `a - b`. Raises UsageError for unknown signals, or different units."""
-    names = [expression] if expression in flight else expression.split(" - ", 1)
-    signals = [flight[name.strip()] for name in names]
-    unit = "" if signals[0].unit == "1" else signals[0].display_unit
-    if len(signals) == 1:
-        return Curve(expression, unit, False, np.asarray(signals[0].displayed))
-    first, second = signals
-    if first.unit != second.unit and first.unit and second.unit:
-        raise UsageError(f"{expression} cannot be drawn: {first.name} is in {first.unit}, {second.name} in "
-                         f"{second.unit}.")
-    return Curve(expression, unit, True, (first - second) * first.signal.display_factor)
+    signals = [flight[name] for _, name in terms(expression, flight)]
+    course, first = flight.course(expression), signals[0]
+    unit = "" if first.unit == "1" else first.display_unit
+    for other in signals[1:]:
+        if first.unit != other.unit and first.unit and other.unit:
+            raise UsageError(f"{expression} cannot be drawn: {first.name} is in {first.unit}, {other.name} in "
+                             f"{other.unit}.")
+    offset = first.signal.display_offset if len(signals) == 1 else 0.0
+    return Curve(expression, unit, len(signals) > 1, course.time,
+                 course.values * first.signal.display_factor + offset)
 
 
 def plot(flight: "Flight", names: Sequence[str]) -> Figure:
@@ -55,13 +57,13 @@ def plot(flight: "Flight", names: Sequence[str]) -> Figure:
     axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
     for axis, ((unit, _), curves) in zip(axes, panels.items()):
         for one in curves:
-            axis.plot(flight.time, one.values, label=one.label, linewidth=1.2)
+            axis.plot(one.time, one.values, label=one.label, linewidth=1.2)
         axis.set_ylabel(unit, parse_math=False)
         for text in axis.legend(loc="best", fontsize="small").get_texts():
             text.set_parse_math(False)  # names may have dollar signs
         axis.grid(True, alpha=0.3)
         axis.ticklabel_format(axis="y", useOffset=False)
     axes[-1].set_xlabel("time (s)")
-    if not flight.finished:
-        axes[0].set_title(f"ended at {flight.time[-1]:.6g} s", fontsize="medium")
+    if flight.message:
+        axes[0].set_title(f"ended at {flight.reached:.6g} s", fontsize="medium")
     return figure

@@ -9,7 +9,8 @@ With t the time at the start of the tick and h the base step:
     SLOPE    give a group its inputs at t, and their slopes (fmi2SetRealInputDerivatives)
     STEP     fmi2DoStep from t over reach * h
     GET      read a group's variables into the signals
-    MARK     remember a component's signals and their time as the last ones; those to come hold at t + reach * h
+    MARK     remember a component's signals and their time as the last ones; those to come hold at t + reach * h,
+             and are recorded from then on
     SAVE     fmi2GetFMUstate of a component, in place of the one saved before
     RESTORE  fmi2SetFMUstate of the saved one
 """
@@ -23,7 +24,17 @@ SET, PREDICT, SLOPE, STEP, GET, MARK, SAVE, RESTORE = range(8)
 CALL, POINTER, REFERENCES, COUNT, BUFFER, FIRST, KIND, OWNER, SET_SLOPES, SLOPES, ORDERS = range(11)
 REAL, WHOLE, TEXT = range(3)
 INSTANCE, DO_STEP, GET_STATE, SET_STATE, FREE_STATE, SLOTS_FROM, SLOTS_TO = range(7)
-TOO_LONG = 100  # a status of our own: a text that does not fit its place
+TOO_LONG = 1 << 32  # a status of our own, which no FMU can answer: a text that does not fit its place
+
+# Places of the loops' cursor, which tells where they are at any time: the tick; the row of the program; the number of
+# rows recorded; code and index of the program's row; the number of FMU calls; the steps of an algorithm whose ticks are
+# none (else -1).
+TICK, AT, ROWS, CODE, INDEX, CALLS, STEPS = range(7)
+
+
+def cursor() -> np.ndarray:
+    """A new cursor."""
+    return np.array([0, 0, 0, 0, 0, 0, -1], np.int64)
 
 Row = tuple[int, int, int, int, int]
 

@@ -75,9 +75,10 @@ class Stream(Recorder):
             self.flush()
         chosen = slice(-self.seen % self.stride, None, self.stride)
         self.seen += len(times)
-        super().keep(times[chosen].copy(), rows[chosen].copy())
-        self.kept_rows += len(self.kept[-1][0])
         self.last = times[-1:].copy(), rows[-1:].copy()
+        if len(times[chosen]):
+            super().keep(times[chosen].copy(), rows[chosen].copy())
+            self.kept_rows += len(self.kept[-1][0])
         if self.kept_rows > 2 * KEPT_ROWS:
             times, rows = super().finish()
             self.kept = [(times[::2].copy(), rows[::2].copy())]

@@ -46,6 +46,7 @@ def write(out: Path, flight: "Flight", summary: dict[str, Any], decimate: int = 
     record = {
         **summary,
         "message": flight.message,
+        "warnings": flight.warnings,
         "wall_s": flight.wall_s,
         "startup_s": flight.startup_s,
         "fmus": flight.fmus,

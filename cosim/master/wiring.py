@@ -18,7 +18,8 @@ import numpy as np
 from ..errors import UsageError
 from .declared import Variable
 from .description import Description
-from .fmu import CALL_SUFFIX, FmuFile, Instance
+from .fmu import CALL_SUFFIX, FmuFile
+from .instance import Instance
 from .program import REAL, TEXT, WHOLE
 from .system import Connection, System
 

@@ -14,7 +14,7 @@ DEFAULT_STEP = 0.01  # s, as that of `ahv run`
 
 def simulate(path: Path, step: float | None, stop: float | None, algorithm: str,
              out: Path | None) -> tuple[dict[str, Any], str]:
-    """Fly the system in `path`; the summary, and why it ended early (empty if it did not).
+    """Fly the system in `path`; the summary, and why it ended before its stop (empty if it did not).
 
     Raises UsageError for a file or numbers that do not fit, RunError if the FMUs cannot be started.
     """
@@ -36,11 +36,13 @@ def simulate(path: Path, step: float | None, stop: float | None, algorithm: str,
             flight = fly_isolated(found, size, end, algorithm, progress)  # FMUs of unknown origin may crash
     for component, fmu in flight.fmus.items():
         fmu["file"] = f"{path}/{found.sources[component]}"
-    last = float(flight.time[-1])
     summary = {
         "system": found.name, "components": list(found.sources), "algorithm": algorithm, "step_s": size, "stop_s": end,
-        "ticks": flight.ticks, "finished": flight.finished, "departed_at_s": None if flight.finished else last,
-        "real_time_factor": last / flight.wall_s if flight.ticks else 0.0, "out": str(folder),
+        "ticks": flight.ticks, "finished": flight.finished,
+        "departed_at_s": None if flight.finished else flight.reached, "ended_at_s": flight.ended_at,
+        "real_time_factor": flight.reached / flight.wall_s if flight.ticks else 0.0, "out": str(folder),
     }
     write(folder, flight, summary)
+    for warning in flight.warnings:
+        note(warning)
     return summary, flight.message

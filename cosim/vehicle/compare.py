@@ -14,6 +14,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from ..errors import UsageError
+from ..master.course import Course
 from ..master.flight import Flight
 from ..master.fmu import FmuFile
 from ..master.isolated import launch
@@ -22,10 +23,10 @@ from ..master.system import System
 from . import scenarios
 from .closed_loop import ClosedLoop, closed_loop, flavour_of
 from .figures import Panel, available
-from .metrics import metrics
+from .metrics import HEADLINES, METRICS, metrics
 from .registry import LAWS
 from .scenarios import Scenario
-from .signals import signal, truth
+from .signals import course, source
 
 SETTLED = 0.02  # of a command's step
 COST_STEPS = 5000
@@ -60,11 +61,10 @@ def settling(time: np.ndarray, command: np.ndarray, found: np.ndarray) -> float 
         height = abs(command[begin] - (found[0] if begin == 0 else command[begin - 1]))
         if height < 1e-6 or end - begin < 2:
             continue
-        outside = np.flatnonzero(np.abs(found[begin:end] - command[begin]) > SETTLED * height)
-        last = begin + outside[-1] + 1 if len(outside) else begin
-        if last == end:
+        took = Course(time[begin:end], found[begin:end]).settling(float(command[begin]), SETTLED * height)
+        if took is None:
             return None
-        worst = max(worst or 0.0, float(time[last] - time[begin]))
+        worst = max(worst or 0.0, took)
     return worst
 
 
@@ -72,13 +72,14 @@ def figures_of(flight: Flight) -> dict[str, Any]:
     """What a flight is compared by."""
     result = metrics(flight)
     del result["phi_hat"]
-    step = float(flight.time[1] - flight.time[0]) if len(flight.time) > 1 else 0.0
     for name, key in (("h", "altitude_settling_s"), ("V", "velocity_settling_s")):
-        result[key] = settling(flight.time, flight[f"scenario.{name}_command"], truth(flight, name))
+        pair = f"scenario.{name}_command", source(flight, f"plant.{name}_true")
+        rows = flight.together(pair)
+        result[key] = settling(flight.time[rows], *(np.asarray(flight[one])[rows] for one in pair))
     for key, name in (("elevator_saturated_s", "elevator_saturated"), ("fuel_saturated_s", "fuel_ratio_saturated")):
         flag = f"controller.{name}"
-        result[key] = step * float(flight[flag].sum()) if flight.has(flag) else None
-    return {"finished": flight.finished, "departed_at_s": None if flight.finished else float(flight.time[-1]), **result}
+        result[key] = flight.course(flag).time_on() if flight.has(flag) else None
+    return {"finished": flight.finished, "departed_at_s": None if flight.finished else flight.reached, **result}
 
 
 def size_of(path: Path, preset: str | None) -> dict[str, int | None]:
@@ -147,11 +148,8 @@ def compare(scenario: str | Scenario, controllers: list[str] | None = None, plan
     return summary, flights, list(dict.fromkeys(note for loop in loops.values() for note in loop.notes))
 
 
-BETTER = (("maximum altitude error", ("altitude_error_ft", "max_abs"), "ft"),
-          ("rms altitude error", ("altitude_error_ft", "rms"), "ft"),
-          ("maximum velocity error", ("velocity_error_fps", "max_abs"), "ft/s"),
-          ("elevator travel", ("elevator_deg", "travel"), "deg"),
-          ("cost per step", ("cost_per_step_us",), "us"))
+BETTER = (*((METRICS[name].headline, name.split("."), METRICS[name].unit) for name in HEADLINES),
+          ("cost per step", ["cost_per_step_us"], "us"))
 
 
 def verdict(table: dict[str, dict[str, Any]]) -> str:
@@ -180,12 +178,12 @@ def draw(flights: dict[str, Flight], title: str, panels: tuple[Panel, ...]) -> A
     for axis, panel in zip(axes[:, 0], panels):
         for name, expression, style in panel.curves:
             for i, (law, flight) in enumerate(flights.items()):
-                y = signal(flight, expression)
-                y = np.degrees(y) if panel.degrees else y
+                found = course(flight, expression)
+                t, y = found.time, np.degrees(found.values) if panel.degrees else found.values
                 if style and i == 0:
-                    axis.plot(flight.time, y, style, label=name, linewidth=1.0, zorder=3)
+                    axis.plot(t, y, style, label=name, linewidth=1.0, zorder=3)
                 elif not style:
-                    axis.plot(flight.time, y, f"C{i}", label=shown(law), linewidth=1.1, alpha=0.9)
+                    axis.plot(t, y, f"C{i}", label=shown(law), linewidth=1.1, alpha=0.9)
         axis.set_ylabel(panel.ylabel)
         axis.grid(True, alpha=0.3)
         axis.ticklabel_format(axis="y", useOffset=False)

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure  # without pyplot, which is slow to import and keeps every figure
 
 from ..master.flight import Flight
-from .signals import known, signal
+from .signals import course, known
 
 
 @dataclass(frozen=True)
@@ -42,8 +42,7 @@ PICTURES: list[tuple[str, str, tuple[Panel, ...]]] = [
 
 def available(flight: Flight, panels: tuple[Panel, ...]) -> bool:
     """Whether the flight has all signals of the panels."""
-    return all(known(flight, name) for panel in panels for _, expression, _ in panel.curves
-               for name in expression.split(" - "))
+    return all(known(flight, expression) for panel in panels for _, expression, _ in panel.curves)
 
 
 def draw(flight: Flight, title: str, panels: tuple[Panel, ...]) -> Figure:
@@ -55,8 +54,9 @@ def draw(flight: Flight, title: str, panels: tuple[Panel, ...]) -> Figure:
     figure.subplots_adjust(left=0.12, right=0.98, bottom=0.5 / height, top=1 - 0.4 / height, hspace=0.08)
     for axis, panel in zip(axes[:, 0], panels):
         for label, expression, style in panel.curves:
-            y = signal(flight, expression)
-            axis.plot(flight.time, np.degrees(y) if panel.degrees else y, style, label=label, linewidth=1.2)
+            found = course(flight, expression)
+            y = np.degrees(found.values) if panel.degrees else found.values
+            axis.plot(found.time, y, style, label=label, linewidth=1.2)
         axis.set_ylabel(panel.ylabel)
         axis.yaxis.set_label_coords(-0.09, 0.5)
         axis.grid(True, alpha=0.3)
@@ -80,7 +80,7 @@ def write(out: Path, flight: Flight, name: str, first_figure: int | None = None)
     for number, (key, title, panels) in enumerate(PICTURES, first_figure or 0):
         if not available(flight, panels):
             continue
-        ending = "" if flight.finished else f" (ended at {flight.time[-1]:.2f} s)"
+        ending = f" (ended at {flight.reached:.2f} s)" if flight.message else ""
         figure = draw(flight, f"{name}: {title}{ending}", panels)
         path = folder / (f"{key}.png" if first_figure is None else f"figure_{number:02d}_{key}.png")
         figure.savefig(path, dpi=120, pil_kwargs={"compress_level": 1})

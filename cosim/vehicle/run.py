@@ -53,7 +53,7 @@ def run(scenario: str | Scenario, controller: str = "neural", preset: Mapping[st
                **({"lateness": flight.lateness} if flight.lateness else {})}
     write(folder, flight, {**summary, "presets": presets_of(loop)}, decimate, stream)
     draw(folder, flight, plan, loop)
-    return Run(flight, summary, folder, loop.notes)
+    return Run(flight, summary, folder, [*loop.notes, *part_of_the_rows(flight, stream)])
 
 
 def said_of(plan: Scenario, loop: ClosedLoop, algorithm: str, step: float, stop: float
@@ -65,9 +65,17 @@ def said_of(plan: Scenario, loop: ClosedLoop, algorithm: str, step: float, stop:
 
 def shown_by(flight: Flight) -> dict[str, Any]:
     """What run.json says of the flight."""
-    last = float(flight.time[-1])
-    return {"ticks": flight.ticks, "finished": flight.finished, "departed_at_s": None if flight.finished else last,
-            **metrics(flight), "real_time_factor": last / flight.wall_s if flight.ticks else 0.0}
+    return {"ticks": flight.ticks, "finished": flight.finished,
+            "departed_at_s": None if flight.finished else flight.reached, "ended_at_s": flight.ended_at,
+            **metrics(flight), "real_time_factor": flight.reached / flight.wall_s if flight.ticks else 0.0}
+
+
+def part_of_the_rows(flight: Flight, stream: bool) -> list[str]:
+    """A sentence for whoever reads figures of a streamed flight, of which memory has only a part."""
+    if not stream or len(flight.time) > flight.ticks:
+        return []
+    return [f"metrics and figures are computed from {len(flight.time)} of {flight.ticks + 1} rows: those that --stream "
+            f"keeps in memory."]
 
 
 def presets_of(loop: ClosedLoop) -> dict[str, dict[str, str]]:

@@ -14,7 +14,8 @@ def trim(V: float = 7700.0, h: float = 85000.0, flavour: str | None = None) -> d
     It may need more than the actuators can give, see `beyond_limits`. Raises UsageError for a start that the plant does
     not allow, RunError if there is no equilibrium.
     """
-    from ..master.fmu import FmuFile, Instance
+    from ..master.fmu import FmuFile
+    from ..master.instance import Instance
 
     with FmuFile.open(fmu_path(flavour_of(flavour), PLANTS["ideal"].fmu)) as file:
         values = {name: file.checked(name, value, "plant") for name, value in (("V_start", V), ("h_start", h))}

@@ -9,7 +9,8 @@ import pytest
 from lxml import etree
 
 from cosim.errors import RunError
-from cosim.master.fmu import FmuFile, Instance
+from cosim.master.fmu import FmuFile
+from cosim.master.instance import Instance
 from cosim.vehicle.registry import MODELS
 
 ROOT = Path(__file__).parents[2]

@@ -6,8 +6,8 @@ import pytest
 from test_cases import ahv
 from test_foreign_masters import STEP, theirs
 
-from cosim.master.fmu import Instance
 from cosim.master.initialise import initialise
+from cosim.master.instance import Instance
 from cosim.master.loaded import open_files
 from cosim.master.wiring import checked_connections
 from cosim.ssp.load import load_ssp

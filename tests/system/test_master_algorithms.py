@@ -29,7 +29,7 @@ def error(system, step, algorithm, ld=0.0):
     flight = fly(system, step, STOP, algorithm)
     assert flight.finished, flight.message
     shown = np.column_stack([flight["left.y"], flight["right.y"]])
-    both = slice(None, None, 4) if "right=4" in algorithm else slice(None)  # between, right shows the end of its step
+    both = slice(None, None, 4) if "right=4" in algorithm else slice(None)  # between, right shows what it had
     later = flight.time[both] > 0.5 * (ld != 0)  # a first step has no slope yet
     return float(np.abs(shown - exact(flight.time, ld))[both][later].max()), flight
 
@@ -74,8 +74,23 @@ def test_multi_rate_with_equal_rates_is_gauss_seidel(build):
 
 def test_multi_rate_holds_what_a_slow_component_shows(build):
     flight = fly(small.pair(build()), 0.01, STOP, "multi-rate,right=5")
-    shown = flight["right.y"][1:].reshape(-1, 5)
+    shown = flight["right.y"][:-1].reshape(-1, 5)
     assert np.all(shown == shown[:, :1]) and len(np.unique(shown)) == 40
+
+
+@pytest.mark.parametrize("plain", [False, True])
+@pytest.mark.parametrize("hold", ["", ",hold=linear"])
+def test_a_row_shows_what_a_slow_component_had_and_never_what_it_will_have(build, hold, plain):
+    """What `right` gives at the end of a step of its own is due then: at t = 0, 0.05, 0.1 ..."""
+    flight = fly(small.pair(build()), 0.01, STOP, f"multi-rate,right=5{hold}", plain=plain)
+    assert flight.periods == {"right": pytest.approx(0.05)}
+    for name, column in (("left.y", 0), ("right.y", 1)):
+        due = flight.together([name])
+        assert np.abs(flight[name] - exact(flight.time)[:, column])[due].max() < 0.1
+    steps = np.flatnonzero(np.diff(flight["right.y"])) + 1
+    assert np.array_equal(steps, np.flatnonzero(flight.together(["right.y"]))[1:])
+    part = fly(small.pair(build()), 0.01, STOP, f"multi-rate,right=5{hold}", plain=plain, decimate=3)
+    assert np.array_equal(part.signals, flight.signals[[*range(0, 201, 3), 200]])
 
 
 def test_iteration_without_a_declared_loop_is_gauss_seidel(build):
@@ -101,6 +116,7 @@ def test_iteration_that_does_not_converge_says_so(build):
     flight = fly(system, 1.0, 5.0, "iterated")
     assert not flight.finished and len(flight.time) == 1
     assert flight.message.startswith("The loop does not converge in the step from t = 0 s: a.y, b.y still change")
+    assert fly(system, 1.0, 5.0, "iterated,passes=3").message.endswith("still change after 3 passes.")
 
 
 @pytest.mark.parametrize("hold", ["linear", "constant"])
@@ -112,6 +128,64 @@ def test_variable_steps_follow_the_tolerance(build, hold):
         assert flight.time[-1] == STOP and flight.ticks == len(flight.time) - 1
         reached.append(found)
     assert 0.25 < np.log(reached[0] / reached[1]) / np.log(100) < 0.75
+
+
+def test_variable_steps_leave_out_outputs_that_depend_on_inputs_if_there_are_others(build):
+    """They lag behind as the held inputs do: as a measure of the error they would ask for 271 steps."""
+    system = small.pair(build(direct=True), build(), d=0.5)
+    assert fly(system, 0.01, STOP, "variable,tolerance=1e-3").ticks < 50
+
+
+def test_variable_steps_follow_outputs_that_depend_on_inputs_if_there_are_no_others(build):
+    system = small.pair(build(direct=True), d=0.5)
+    few, many = (fly(system, 0.01, 0.2, f"variable,tolerance={t}").ticks for t in (1e-2, 1e-4))
+    assert 20 * few < many
+
+
+def test_variable_steps_follow_the_worst_signal(build):
+    slow, fast = small.oscillator(a21=-1.0), small.oscillator(a21=-400.0)
+    links = (Connection("p.y", "q.u"), Connection("q.y", "p.u"))
+    ticks = [fly(System((Component("p", build(), a), Component("q", build(), b)), links), 0.01, STOP,
+                 "variable,tolerance=1e-3").ticks for a, b in ((slow, fast), (fast, slow), (slow, slow))]
+    assert ticks[0] == ticks[1] > 2 * ticks[2]
+
+
+def test_variable_steps_allow_an_error_relative_to_the_signal_or_to_its_nominal_value(build):
+    def ticks(scale):
+        system = small.pair(build(), x1=scale)
+        right = system.components[1].with_values({"x1": -0.5 * scale, "x2": 0.2 * scale})
+        return fly(System((system.components[0], right), system.connections), 0.01, STOP,
+                   "variable,tolerance=1e-4").ticks
+
+    assert ticks(1e3) == pytest.approx(ticks(1e6), abs=2) and ticks(1e3) > 1.2 * ticks(1.0) > 1.2 * ticks(1e-4)
+
+
+def test_a_variable_step_is_at_most_a_hundred_times_the_first(build):
+    taken = np.diff(fly(small.pair(build()), 0.001, STOP, "variable,tolerance=1e3").time)
+    assert taken.max() == pytest.approx(0.1)
+
+
+def test_a_signal_that_is_no_number_ends_a_variable_run(build):
+    fault = small.FAULTS.index("not_a_number")
+    flight = fly(small.pair(build(), fault=fault, fault_time=1.0), 0.01, STOP, "variable,tolerance=1e-3")
+    assert not flight.finished and 0.99 < flight.time[-1] < 1.2
+    assert "cannot be made short enough for a tolerance of 0.001" in flight.message
+
+
+@pytest.mark.parametrize("algorithm,direct", [("variable,tolerance=1e-5", False), ("iterated", None)])
+def test_every_seventh_row_and_the_last_of_steps_that_are_taken_one_by_one(build, algorithm, direct):
+    system = small.pair(build(direct=direct))
+    full, part = (fly(system, 0.01, 0.5, algorithm, decimate=n) for n in (1, 7))
+    kept = sorted({*range(0, len(full.time), 7), len(full.time) - 1})
+    assert part.time.tobytes() == full.time[kept].tobytes()
+    assert part.signals.tobytes() == full.signals[kept].tobytes()
+
+
+def test_only_what_is_in_a_loop_must_save_its_state(build):
+    system = small.pair(build(direct=None))
+    outside = Component("outside", build(direct=True, states=False), small.oscillator())
+    system = System((*system.components, outside), (*system.connections, Connection("left.y", "outside.u")))
+    assert fly(system, 0.01, 0.1, "iterated").finished
 
 
 def test_variable_steps_back_from_a_discarded_step(build):
@@ -138,7 +212,10 @@ def test_what_an_algorithm_needs_is_asked_for(build, algorithm, sentence):
     ("jacoby", "Did you mean jacobi"), ("jacobi,order=a", "order=a is not an option of jacobi"),
     ("jacobi,hold=2", "2 is no value for hold"), ("multi-rate,left=0", "0 is no value for left"),
     ("gauss-seidel,order=left", "must name each component once"), ("multi-rate,wing=2", "no component wing"),
-    ("multi-rate,left=7", "200 ticks are not a whole number"),
+    ("multi-rate,left=7", "200 ticks are not a whole number"), ("multi-rate,left=3,right=4", "not a whole number"),
+    ("gauss-seidel,order=left+right+left", "must name each component once"), ("iterated,passes=0", "0 is no value"),
+    ("variable,tolerance=0", "0 is no value for tolerance"), ("variable,tolerance=inf", "inf is no value"),
+    ("variable,tolerance=nan", "nan is no value"), ("jacobi,hold", "hold is not an option"),
 ])
 def test_a_wrong_word_is_named(build, word, sentence):
     with pytest.raises(UsageError, match=sentence):

@@ -56,6 +56,14 @@ def test_small_fmus(tmp_path, algorithm, variant):
     same(system, 0.01, 1.0, algorithm.format(slow="right"))
 
 
+def test_a_flight_that_ends_between_two_rows_says_when(tmp_path):
+    system = small.pair(small.build(tmp_path), fault=1, fault_time=0.5)
+    for options in ({"decimate": 20}, {"decimate": 20, "plain": True}, {}, {"algorithm": "iterated", "decimate": 20}):
+        flight = fly(system, 0.01, 1.0, **options)
+        assert (flight.ticks, flight.time[-1]) == (50, 0.4 if "decimate" in options else 0.5)
+        assert flight.reached == 0.5 and "to 0.5 s in 50 steps" in flight.outcome
+
+
 def test_decimated_and_picked(native_fmus):
     system = loop(native_fmus, "case1")
     full = same(system, 0.01, 1.0, "gauss-seidel")

@@ -12,8 +12,9 @@ import small
 
 from cosim.errors import RunError, UsageError
 from cosim.master.flight import fly
-from cosim.master.recording import Stream
+from cosim.master.recording import CHUNK_ROWS, Stream
 from cosim.master.system import Component, Connection, System
+from cosim.master.wiring import Signal
 from cosim.ssp.write import write
 
 
@@ -112,10 +113,24 @@ def test_a_stream_has_every_row_and_memory_a_part(build, tmp_path, monkeypatch):
     whole = fly(system, 0.01, 200.0)
     part = fly(system, 0.01, 200.0, stream=tmp_path / "signals.parquet")
     table = pyarrow.parquet.read_table(tmp_path / "signals.parquet")
+    written = pyarrow.parquet.ParquetFile(tmp_path / "signals.parquet").metadata
+    sizes = [written.row_group(i).num_rows for i in range(written.num_row_groups)]
+    assert max(sizes) <= 1000 + CHUNK_ROWS and min(sizes[:-1]) >= 1000  # as it flew, and not row by row
     assert np.array_equal(table["time"], whole.time)
     assert all(np.array_equal(table[c.name], whole[c.name]) for c in whole.columns)
     assert 100 <= len(part.time) <= 202 and part.time[-1] == whole.time[-1] and part.ticks == whole.ticks
     assert np.isin(part.time, whole.time).all() and np.ptp(np.diff(part.time)[:-1]) < 1e-9
+
+
+@pytest.mark.parametrize("options", [{"algorithm": "iterated"}, {"real_time": 1e6}, {"algorithm": "variable"}])
+def test_a_stream_that_gets_its_rows_one_by_one_ends_with_the_last(build, tmp_path, monkeypatch, options):
+    """Memory keeps every 16th row by the end, so the last ones are in no part that is kept."""
+    monkeypatch.setattr("cosim.master.recording.KEPT_ROWS", 100)
+    path = tmp_path / "signals.parquet"
+    flight = fly(small.pair(build()), 0.01, 15.07, stream=path, **options)
+    assert flight.finished and flight.time[-1] == 15.07 and len(flight.time) <= 202
+    times = pyarrow.parquet.read_table(path)["time"].to_numpy()
+    assert len(times) == flight.ticks + 1 and np.isin(flight.time, times).all()
 
 
 def test_a_stream_that_is_cut_short_can_be_read(build, tmp_path):
@@ -124,16 +139,16 @@ def test_a_stream_that_is_cut_short_can_be_read(build, tmp_path):
     assert not flight.finished and pyarrow.parquet.read_table(path).num_rows == 51
 
 
-def test_memory_of_a_stream_does_not_grow_with_the_run():
-    stream = Stream.__new__(Stream)
-    stream.kept, stream.waiting = [], []
-    stream.waiting_rows = stream.seen = stream.kept_rows = 0
-    stream.stride, stream.flush = 1, lambda: stream.waiting.clear()
-    held = []
+def test_memory_of_a_stream_does_not_grow_with_the_run(tmp_path):
+    stream = Stream([Signal("a.x", "", ""), Signal("a.y", "", "")], tmp_path / "signals.parquet")
+    held, waiting = [], []
     for k in range(200):
         stream.keep(np.arange(4096.0) + 4096 * k, np.zeros((4096, 2)))
         held.append(stream.kept_rows)
+        waiting.append(sum(len(times) for times, _ in stream.waiting))
     assert max(held) <= 2 * 20000 + 4096 and held[-1] >= 20000
+    assert max(waiting) < 65536 and min(waiting[20:]) == 0
+    stream.finish()
 
 
 @pytest.mark.parametrize("master", ["libcosim", "ecos"])

@@ -86,7 +86,8 @@ def test_a_scenario_can_be_made_in_python():
 
 
 @pytest.mark.parametrize("word,lines", [
-    ("controller", ["presets: calibrated, coupled, printed, robust, steady", "k_gamma", "measured pitch rate"]),
+    ("controller", ["presets: calibrated, coupled, independent, printed, robust, steady", "k_gamma",
+                    "measured pitch rate"]),
     ("backstepping", ["AhvBackstepping"]),
     ("plant", ["theta_start", "initial pitch angle, if not at trim"]),
     ("case2", ["stop: 300 s", "scenario.V_command_step_count"]),

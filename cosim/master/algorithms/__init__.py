@@ -36,6 +36,10 @@ class Method:
         found: type[Algorithm] = getattr(import_module(f".{file}", __package__), kind)
         return found
 
+    def periods(self, step: float) -> dict[str, float]:
+        """Component -> time between its steps (s), of those that do not step in every tick of `step` (s)."""
+        return {name: count * step for name, count in self.options.get("rates", {}).items() if count > 1}
+
 
 def method(word: str) -> Method:
     """The method that `word` names: NAME[,OPTION=VALUE]...

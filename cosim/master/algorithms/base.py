@@ -2,10 +2,12 @@
 from dataclasses import dataclass
 from typing import Any, ClassVar, Protocol
 
-from ...errors import UsageError
+import numpy as np
+
+from ...errors import RunError, UsageError
 from .. import program as P
 from ..dependencies import step_order
-from ..loaded import Master
+from ..loaded import Ended, Master
 from ..program import Row, row
 from ..recording import Recorder
 from ..wiring import Group
@@ -43,7 +45,7 @@ class Algorithm(Protocol):
         """Whether the experiment's stop is reached."""
 
     def advance(self, most: int) -> None:
-        """Take at most `most` steps. Raises RunError if an FMU refuses one."""
+        """Take at most `most` steps. Raises RunError if an FMU refuses one, Ended if one ends the simulation."""
 
 
 def inputs(master: Master, component: int, hold: bool, period: int = 1) -> list[Row]:
@@ -62,7 +64,7 @@ def outputs(master: Master, component: int, hold: bool, decimate: int = 1, perio
     """Read what others need, and on recorded ticks what is only to be recorded."""
     def when(group: Group) -> tuple[int, int]:
         return (period, 0) if period > 1 or group.connected or decimate == 1 else (decimate, decimate - 1)
-    marks = [row(P.MARK, component, period, 0, period)] if hold else []
+    marks = [row(P.MARK, component, period, 0, period)] if hold or period > 1 else []
     return marks + [row(P.GET, g.number, *when(g)) for g in master.wiring.outputs[component]]
 
 
@@ -94,6 +96,7 @@ def need_states(master: Master, algorithm: str) -> None:
 
 class Even:
     """An algorithm whose ticks are equally long."""
+    master: Master
     experiment: Experiment
     ticks: int
 
@@ -106,6 +109,30 @@ class Even:
     def done(self) -> bool:
         """Whether the experiment's stop is reached."""
         return self.ticks == self.experiment.ticks
+
+    def last_row(self, end: Ended, ops: np.ndarray, at: int) -> None:
+        """Record the time at which an FMU ended the simulation in the row `at` of `ops`, where the others can reach it.
+
+        They can if it is the end of the tick. If it is earlier, none may have stepped yet, and all must claim steps of
+        any length.
+        """
+        master, experiment, begun = self.master, self.experiment, self.time
+        others = [master.instances[i] for i in ops[ops[:, 0] == P.STEP, 1] if ops[at, 1] != i]
+        short = end.time < begun + experiment.step * (1 - 1e-9)
+        stepped = bool(np.any(ops[:at, 0] == P.STEP))
+        able = all(i.claims("canHandleVariableCommunicationStepSize") for i in others)
+        if end.time <= begun or np.any(ops[:, 2] != 1) or (short and (stepped or not able)):
+            return
+        rest = ops[(np.arange(len(ops)) > at) | (ops[:, 0] == P.GET)]
+        try:
+            if short:
+                master.run(rest, 0, 1, begun, end.time - begun)
+            else:  # the same numbers as on any other tick
+                master.run(rest, self.ticks, 1, experiment.start, experiment.step)
+        except RunError:
+            return
+        self.ticks += 1
+        experiment.recorder.add(end.time if short else self.time, master.row())
 
 
 class Fixed(Even):
@@ -121,7 +148,7 @@ class Fixed(Even):
         raise NotImplementedError
 
     def advance(self, most: int) -> None:
-        """Take at most `most` steps. Raises RunError if an FMU refuses one."""
+        """Take at most `most` steps. Raises RunError if an FMU refuses one, Ended if one ends the simulation."""
         experiment = self.experiment
         odd = experiment.ticks % experiment.decimate != 0
         count = min(most, experiment.ticks - self.ticks - odd)
@@ -129,8 +156,13 @@ class Fixed(Even):
         if count == 0:
             ops, count, decimate = self.last_ops, 1, 1
         rows, times = experiment.recorder.room(count // decimate + 1)
-        self.master.cursor[:3] = self.ticks, 0, 0
+        self.master.cursor[[P.TICK, P.AT, P.ROWS]] = self.ticks, 0, 0
         status = self.master.attempt(ops, self.ticks, count, experiment.start, experiment.step, rows, times, decimate)
-        self.ticks = self.ticks + count if status == 0 else int(self.master.cursor[0])
-        experiment.recorder.took(int(self.master.cursor[2]))
-        self.master.check(status, ops, experiment.start, experiment.step)
+        self.ticks = self.ticks + count if status == 0 else int(self.master.cursor[P.TICK])
+        experiment.recorder.took(int(self.master.cursor[P.ROWS]))
+        at = int(self.master.cursor[P.AT])
+        try:
+            self.master.check(status, ops, experiment.start, experiment.step)
+        except Ended as end:
+            self.last_row(end, self.last_ops, at)
+            raise

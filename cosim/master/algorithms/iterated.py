@@ -16,7 +16,7 @@ import numpy as np
 from ...errors import RunError, UsageError
 from .. import program as P
 from ..dependencies import looped, step_order, value_needs
-from ..loaded import Master
+from ..loaded import Ended, Master
 from ..program import row
 from .base import Even, Experiment, inputs, outputs, step, turn
 from .options import HOLD, Options, positive, whole
@@ -48,11 +48,19 @@ class Iterated(Even):
                                 w.sources[np.isin(w.holder[w.sources], members)]))
 
     def advance(self, most: int) -> None:
-        """Take at most `most` steps. Raises RunError if an FMU refuses one, or a loop does not converge."""
+        """Take at most `most` steps. Raises RunError if an FMU refuses one, or a loop does not converge; Ended if one
+        ends the simulation."""
         experiment, master = self.experiment, self.master
         for _ in range(min(most, experiment.ticks - self.ticks)):
-            for once, repeat, slots in self.blocks:
-                master.run(once, self.ticks, 1, experiment.start, experiment.step)
+            for number, (once, repeat, slots) in enumerate(self.blocks):
+                try:
+                    master.run(once, self.ticks, 1, experiment.start, experiment.step)
+                except Ended as end:
+                    if all(again is None for _, again, _ in self.blocks):
+                        programs = [block[0] for block in self.blocks]
+                        at = sum(map(len, programs[:number])) + int(master.cursor[P.AT])
+                        self.last_row(end, np.concatenate(programs), at)
+                    raise
                 if repeat is not None:
                     self.settle(repeat, slots)
             self.ticks += 1

@@ -4,6 +4,9 @@
 inputs at the start of its step, steps over all its ticks at once, and what it shows holds until its next step (with
 hold=linear: is interpolated). With all rates 1 it is Gauss-Seidel to the last bit.
 
+Other components take what a slow one shows from the start of its step on, as they do in Gauss-Seidel. The recorded
+rows have it from the end of that step on, the time for which the FMU gave it.
+
 Needs of an FMU: that it accepts its own step. Order 1 in the slowest step, as `gauss_seidel`. The run's number of
 ticks must be a multiple of every rate. A discarded step ends the run.
 """

@@ -10,7 +10,8 @@ and, times MOST_STEPS, the longest one.
 
 Needs of an FMU: canGetAndSetFMUstate and canHandleVariableCommunicationStepSize. Order as in `gauss_seidel`: 1, and
 with hold=linear (the default) 2 where connected outputs are states. A discarded step is taken back and tried at SHRINK
-of its length; below SHORTEST of the first step the run ends with the FMU's own words.
+of its length; below SHORTEST of the first step the run ends with the FMU's own words. If it is discarded because the
+FMU ends the simulation, the next one is tried up to that time.
 """
 from typing import Any, ClassVar
 
@@ -19,8 +20,8 @@ import numpy as np
 from ...errors import RunError, UsageError
 from .. import program as P
 from ..dependencies import value_needs
-from ..fmu import DISCARD
-from ..loaded import NO_ROWS, NO_TIMES, Master
+from ..instance import DISCARD
+from ..loaded import NO_ROWS, NO_TIMES, Ended, Master
 from ..program import row
 from .base import Experiment, chosen_order, need_states, turn
 from .options import ORDER, Options, linear, positive
@@ -54,6 +55,7 @@ class Variable:
         followed = all(g.interpolates for groups in w.inputs for g in groups if g.suffix == "Real")
         second = hold and (followed or len(states) == len(smooth))
         self.power: float = 1 / 3 if second else 1 / 2  # one over the local error's order
+        self.end: Ended | None = None         # the FMU that ended the simulation in the last attempt
         self.failed: float = SHRINK ** (-1 / self.power)  # an error for which the next step is SHRINK as long
 
     @property
@@ -62,7 +64,8 @@ class Variable:
         return self.time >= self.experiment.stop
 
     def advance(self, most: int) -> None:
-        """Take at most `most` steps. Raises RunError if an FMU refuses one that cannot be made shorter."""
+        """Take at most `most` steps. Raises RunError if an FMU refuses one that cannot be made shorter, Ended if one
+        ends the simulation there."""
         for _ in range(most):
             if self.done:
                 return
@@ -73,7 +76,8 @@ class Variable:
     def take(self) -> None:
         """One step that is good enough."""
         master, experiment = self.master, self.experiment
-        begun = master.snapshot()
+        begun, aimed = master.snapshot(), False
+        master.cursor[P.STEPS] = self.ticks
         master.run(self.save, 0, 1, self.time, 0.0)
         while True:
             left = experiment.stop - self.time
@@ -83,6 +87,8 @@ class Variable:
             factor = GROW if error == 0 else SAFETY * error ** -self.power
             self.step = step * min(max(factor, SHRINK), GROW)
             self.step = min(self.step, MOST_STEPS * experiment.step)
+            if self.end and not aimed:
+                self.step, aimed = self.end.time - self.time, True
             if error <= 1:
                 self.time = experiment.stop if last else self.time + step
                 self.ticks += 1
@@ -111,9 +117,16 @@ class Variable:
 
     def attempt(self, count: int, step: float) -> bool:
         """Take `count` steps; False if an FMU discards one and a shorter one may be tried."""
-        master = self.master
+        master, self.end = self.master, None
         status = master.attempt(self.ops, 0, count, self.time, step, NO_ROWS, NO_TIMES, 0)
-        discarded = status == DISCARD and self.ops[master.cursor[1], 0] == P.STEP
-        if not (discarded and step * SHRINK > SHORTEST * self.experiment.step):
-            master.check(status, self.ops, self.time, step)
+        discarded = status == DISCARD and self.ops[master.cursor[P.AT], 0] == P.STEP
+        try:
+            if not discarded or step * SHRINK <= SHORTEST * self.experiment.step:
+                master.check(status, self.ops, self.time, step)
+            else:
+                master.check_end(self.ops, self.time + master.cursor[P.TICK] * step, step)
+        except Ended as end:
+            if end.time - self.time <= SHORTEST * self.experiment.step:
+                raise
+            self.end = end
         return status == 0

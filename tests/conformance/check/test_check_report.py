@@ -15,6 +15,7 @@ from rich.console import Console
 from cosim.conformance import check
 from cosim.conformance.report import findings_table, not_tested_table, to_dict
 from cosim.conformance.rule import RULES
+from cosim.errors import UsageError
 
 
 def test_json_has_the_documented_keys(tmp_path: Path) -> None:
@@ -26,6 +27,12 @@ def test_json_has_the_documented_keys(tmp_path: Path) -> None:
     assert [finding["rule"] for finding in data["findings"]] == ["experiment.step", "header.date"]
     assert set(data["findings"][0]) == {"rule", "section", "severity", "variable", "found", "expected"}
     assert data["not_tested"] == [{"what": "everything dynamic", "why": "not asked for"}]
+
+
+@pytest.mark.parametrize("limit", [0.0, -1.0, float("nan")])
+def test_a_time_limit_that_is_none_is_refused(tmp_path: Path, limit: float) -> None:
+    with pytest.raises(UsageError, match=rf"^--time-limit {limit:g} must be a positive number of seconds\.$"):
+        check(tmp_path / "Fixture.fmu", time_limit=limit)
 
 
 def test_tables_show_names_with_brackets(tmp_path: Path) -> None:

@@ -1,0 +1,92 @@
+"""What the report's pictures show."""
+from types import SimpleNamespace
+
+import numpy as np
+import pyarrow as pa
+import pytest
+
+from cosim.campaign.charts import drivers, envelopes, histograms, over_time, probability, scatter, wide
+from cosim.campaign.statistics import Results
+from cosim.vehicle.metrics import HEADLINES, METRICS
+
+
+def errors(*runs):
+    """errors.parquet of runs of law `x`: (times, altitude errors, velocity errors) each."""
+    return pa.table({"controller": pa.array(["x"] * len(runs), pa.string()), **{
+        name: pa.array([run[i] for run in runs], pa.list_(pa.float64()))
+        for i, name in enumerate(("time", "altitude_error_ft", "velocity_error_fps"))}})
+
+
+def test_curves_have_the_times_of_the_rows_where_no_run_reaches_the_end():
+    axes = envelopes([SimpleNamespace(law="x")], errors(([0, 5, 10], [0, 1, 2], [0, 0, 0]),
+                                                        ([0, 5], [0, 3], [0, 2])), 100.0).axes
+    for axis, expected in zip(axes, ([0, 2, 2], [0, 1, 0])):
+        assert axis.lines[0].get_xdata().tolist() == [0, 5, 10] and axis.lines[0].get_ydata().tolist() == expected
+        assert axis.get_xlim() == (0, 100)
+    flying = axes[2].lines[0]
+    assert (flying.get_xdata().tolist(), flying.get_ydata().tolist()) == ([0, 5, 10, 10, 100], [100, 100, 50, 0, 0])
+
+
+def test_runs_that_reach_the_end_fly_to_the_end():
+    flying = envelopes([SimpleNamespace(law="x")], errors(([0, 5], [0, 1], [0, 0])), 5.0).axes[2].lines[0]
+    assert (flying.get_xdata().tolist(), flying.get_ydata().tolist()) == ([0, 5], [100, 100])
+
+
+def test_bands_are_quantiles_over_the_runs_that_still_fly():
+    runs = [([0, 1], [0, float(k)], [0, 0]) for k in range(21)]
+    axis = envelopes([SimpleNamespace(law="x")], errors(*runs), 1.0).axes[0]
+    ends = [{float(y) for x, y in band.get_paths()[0].vertices if x == 1} for band in axis.collections]
+    assert ends == [{0, 20}, {1, 19}]
+
+
+def test_rows_of_runs_that_ended_are_left_empty():
+    time, found = over_time(errors(([0], [7], [1]), ([0, 2], [8, 9], [1, 1])))
+    assert time.tolist() == [0, 2]
+    assert np.array_equal(found["altitude_error_ft"], [[7, np.nan], [8, 9]], equal_nan=True)
+    assert over_time(errors())[1]["altitude_error_ft"].shape == (0, 0)
+
+
+@pytest.mark.parametrize("values,expected", [
+    ([1, 1, 2, 60], True), ([1, 1, 2, 40], False), ([0, 1, 2, 600], False), ([-1, 1, 600], False), ([], False),
+    ([np.nan], False), ([1, 1, np.inf], False),
+])
+def test_positive_values_of_different_size_get_a_logarithmic_axis(values, expected):
+    assert wide(np.array(values, float)) is expected
+
+
+def results(law="x", runs=40):
+    """Runs that fail where a is above 0.75; the altitude error is 10 a, b has nothing to do with it."""
+    a = (np.arange(runs) + 0.5) / runs
+    rows = {"controller": [law] * runs, "run": list(range(runs)), "success": a < 0.75, "a.a": a,
+            "a.b": np.resize([0.2, 0.9, 0.4, 0.6, 0.1], runs), "status": ["finished"] * runs, **{
+                name: 10 * a if name == "altitude_error_ft.max_abs" else np.full(runs, 3.0) for name in METRICS}}
+    return Results.of(law, pa.table(rows))
+
+
+def test_bars_are_the_shares_of_successes():
+    axis = probability([results(), results("y", 4)]).axes[0]
+    assert [bar.get_width() for bar in axis.patches] == [0.75, 0.75]
+    assert [tick.get_text() for tick in axis.get_yticklabels()] == ["x", "y"]
+
+
+def test_histograms_show_every_run_of_the_metrics_that_laws_are_judged_by():
+    axes = histograms([results()]).axes
+    assert [axis.get_xlabel() for axis in axes] == [f"{name} ({METRICS[name].unit})" for name in HEADLINES]
+    assert all(sum(bar.get_height() for bar in axis.patches) == 40 for axis in axes)
+    assert axes[0].get_xscale() == "linear"
+
+
+def test_drivers_come_first_where_they_correlate_most():
+    axes = drivers([results()], ["a.b", "a.a"], "altitude_error_ft.max_abs").axes
+    assert [tick.get_text() for tick in axes[0].get_yticklabels()] == ["a.a", "a.b"]
+    assert axes[1].patches[0].get_width() == pytest.approx(1)
+    assert axes[0].patches[0].get_width() == pytest.approx(0.75, abs=0.05)
+    assert abs(axes[0].patches[1].get_width()) < 0.3
+
+
+def test_a_scatter_tells_failures_from_successes():
+    axis = scatter(results(), ["a.a"], "altitude_error_ft.max_abs").axes[0]
+    failed, succeeded = axis.lines
+    assert (len(failed.get_xdata()), len(succeeded.get_xdata())) == (10, 30)
+    assert min(failed.get_xdata()) > 0.75 > max(succeeded.get_xdata())
+    assert np.array_equal(failed.get_ydata(), 10 * failed.get_xdata())
