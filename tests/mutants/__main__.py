@@ -111,7 +111,7 @@ class Copy:
             os.killpg(pid, signal.SIGKILL)
         status = ended[1] if ended[0] else os.waitpid(pid, 0)[1]
         said = (self.root / "results" / "said.txt").read_text(errors="replace").splitlines()
-        if not ended[0] or status == signal.SIGXCPU:
+        if not ended[0] or os.WTERMSIG(status) == signal.SIGXCPU:
             return False, "time"
         failed = [line.split(" - ")[0].split("/")[-1] for line in said if line.startswith(("FAILED", "ERROR"))]
         return status == 0, failed[0] if failed else f"status {status}"
