@@ -3,7 +3,7 @@ BIN := .venv/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check
 UV := $(BIN)/python -m uv pip
 
-.PHONY: setup build demo test lint slow foreign-hosts docs lock oldest clean
+.PHONY: setup build demo test lint slow mutants foreign-hosts docs lock oldest clean
 
 # Everything: to build the native FMUs, to test and to develop.
 setup: .venv/everything
@@ -50,6 +50,11 @@ lint: setup
 # What is too long for the everyday suite.
 slow: build
 	$(BIN)/python -m pytest -m slow
+
+# Do the tests notice mistakes? Hours; it goes on where it was stopped. Writes docs/mutants.md.
+mutants: build
+	$(BIN)/python tests/mutants
+	$(BIN)/python tests/mutants --table
 
 # The native controller in hosts for Windows (Debian's wine64) and Arm (qemu-user), and the long valgrind runs.
 foreign-hosts: build

@@ -154,3 +154,13 @@ def test_without_the_compiler_the_error_says_what_to_install(monkeypatch):
     monkeypatch.setattr(native_compiler, "version", missing)
     with pytest.raises(ModuleNotFoundError, match="pip install ziglang"):
         native_compiler.compiler_version()
+
+
+def test_the_cache_of_libraries_is_made_and_used(tmp_path, monkeypatch):
+    monkeypatch.setattr(native_compiler, "CACHE", tmp_path / "new" / "cache")
+    sources = {"all.c": b"int answer(void) { return 42; }"}
+    made = native_compiler.library("answer.so", native_compiler.LINUX, sources)
+    kept, = native_compiler.CACHE.iterdir()
+    assert kept.read_bytes() == made
+    monkeypatch.setattr(native_compiler, "make", None)  # no need of it now
+    assert native_compiler.library("answer.so", native_compiler.LINUX, sources) == made

@@ -403,3 +403,15 @@ def test_a_step_that_nobody_gives_is_that_of_run_and_told(tmp_path):
 def test_a_later_ssp_version_is_refused_by_name(read):
     with pytest.raises(UsageError, match=r"is an SSP 2.0 system structure description; SSP 1.0 is what runs here"):
         read(ssd(system("root", component("a")), version="2.0"))
+
+
+def test_a_parameter_that_fits_nothing_is_told_and_the_summary_is_of_what_flew(tmp_path):
+    values = inline(parameter("k", 2.5), parameter("wings", 2))
+    path = write(tmp_path / "test.ssp", ssd(system("root", component("a", bindings=values))))
+    done = subprocess.run([AHV, "simulate", path, "--step", "0.25", "--stop", "1", "--out", tmp_path / "out", "--json"],
+                          capture_output=True, text=True)
+    assert "the parameter a: wings fits no variable and is ignored" in done.stderr
+    summary = json.loads(done.stdout)
+    assert (summary["ticks"], summary["step_s"], summary["stop_s"], summary["finished"]) == (4, 0.25, 1, True)
+    assert (summary["departed_at_s"], summary["components"], summary["out"]) == (None, ["a"], str(tmp_path / "out"))
+    assert summary["real_time_factor"] > 0 and done.returncode == 0

@@ -12,6 +12,7 @@ from ahv_plant_fmu.trim import NOMINAL
 from cosim.analysis.margins import frequencies, margins, margins_at, response
 from cosim.vehicle.registry import LAWS
 from fmus import floats
+from fmus.linear_report import linear_report
 from fmus.linearize import GROUPS, NoTrim, linear_loop, linear_vehicle, values_of, vehicle_trim
 
 
@@ -100,3 +101,38 @@ def test_where_there_is_no_equilibrium_it_is_said():
         linear_loop(plant, neural_model, gains, 7500, 105000)
     with pytest.raises(ValueError, match="no parameter wings"):
         linear_vehicle(plant, 7700, 85000, wings=2.0)
+
+
+def test_the_angle_of_attack_is_an_output_of_the_vehicle():
+    found = linear_vehicle(plant, 7700, 85000)
+    assert np.array_equal(found.C @ np.arange(1.0, 10), [*range(1, 10), 4 - 3]) and found.outputs[-1] == "alpha"
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_memories_are_no_states_of_a_loop(law):
+    loop = linear_loop(plant, *gains_of(law), 7700, 85000)
+    system = loop.cut()
+    reachable = np.hstack([system.A - np.eye(len(system.A)), system.B])
+    assert np.abs(reachable).max(axis=1).min() > 0                       # each state changes
+    assert np.abs(np.vstack([loop.Az, loop.Cy])).max(axis=0).min() > 0   # and is read
+    assert np.abs(system.poles).min() > 0.05
+
+
+@pytest.mark.parametrize("limit,actuator", [("fuel_ratio_max", 0), ("fuel_ratio_min", 0), ("elevator_max", 1),
+                                            ("elevator_min", 1)])
+def test_a_trim_with_an_actuator_at_its_limit_is_none(limit, actuator):
+    module, gains = gains_of("neural")
+    needed = linear_loop(plant, module, gains, 7700, 85000).y[actuator]
+    with pytest.raises(NoTrim, match=r"an actuator is at its limit: fuel ratio 0\.267, elevator 12\.51 deg"):
+        linear_loop(plant, module, {**gains, limit: needed}, 7700, 85000)
+
+
+def test_the_report_is_about_the_papers_trim():
+    module, gains = gains_of("neural")
+    found = linear_report(plant, module, gains, 7700, 85000, 0.01, {}, {}, margins_at)
+    assert found["theta_deg"] == pytest.approx(1.6325, abs=5e-5)
+    assert found["altitude_offset_ft"] == pytest.approx(0, abs=1e-6)
+    assert found["elevator_deg"] == pytest.approx(12.511, abs=5e-4)
+    assert found["fuel_ratio"] == pytest.approx(0.26703, abs=5e-6)
+    assert found["closed_loop"]["stable"] and -0.2 < found["closed_loop"]["abscissa"] < 0
+    assert set(found["margins"]) == {"fuel_ratio", "elevator", "V", "h", "gamma", "theta", "Q"}

@@ -1,0 +1,58 @@
+"""docs/mutants.md: what `make mutants` found, room by room."""
+from collections import Counter
+from pathlib import Path
+
+from points import Mutant
+
+HEAD = """# Mutants
+
+With this page you can judge how much the tests notice. Single mistakes were put into the code, one at a time, and the
+tests were run on each.
+
+A mistake (a mutant) is one operator, constant, condition or statement changed. `make mutants` draws a sample, the
+same number in every room of the project, and tries each mutant in a copy of the tree. A mutant is killed when a test
+fails or hangs. A mutant that changes nothing that can be observed is *equivalent*: `tests/mutants/judged.yaml` lists
+these with the reason. The share is killed / (tried - equivalent). "Before" is the share at the first trial of each
+mutant, when no tests had been written for the survivors yet. `tests/mutants/rooms.py` names the files and the tests
+of each room, `tests/mutants/points.py` the changes.
+
+This page is written by `.venv/bin/python tests/mutants --table`.
+"""
+
+
+def share(killed: int, tried: int) -> str:
+    """A share in per cent; a dash where there is none."""
+    return f"{100 * killed / tried:.0f} %" if tried else "-"
+
+
+def cell(text: str) -> str:
+    """A text as code in a cell of a table."""
+    short = text if len(text) <= 120 else text[:117] + "..."
+    return "``" + short.replace("|", "\\|") + "``" if short else "-"
+
+
+def write_table(root: Path, samples: dict[str, tuple[list[Mutant], int]], known: dict, equivalent: dict) -> None:
+    """Write docs/mutants.md from the trials recorded (`known`) and the judged mutants (`equivalent`)."""
+    rows, total, left, excused = [], Counter(), [], []
+    for room, (sample, points) in samples.items():
+        judged = [mutant for mutant in sample if mutant.key in equivalent]
+        tried = [mutant for mutant in sample if mutant.key in known and mutant.key not in equivalent]
+        first = sum(known[mutant.key][0]["killed"] for mutant in tried)
+        last = sum(known[mutant.key][-1]["killed"] for mutant in tried)
+        found = {"points": points, "tried": len(tried) + len(judged), "judged": len(judged), "first": first,
+                 "last": last, "open": len(tried) - last}
+        total.update(found)
+        rows.append((room, found))
+        left += [mutant for mutant in tried if not known[mutant.key][-1]["killed"]]
+        excused += judged
+    lines = [HEAD, "| room | possible | tried | equivalent | killed | survived | before | share |",
+             "|---|---|---|---|---|---|---|---|"]
+    for room, n in [*rows, ("all", total)]:
+        counted = n["tried"] - n["judged"]
+        lines.append(f"| {room} | {n['points']} | {n['tried']} | {n['judged']} | {n['last']} | {n['open']} "
+                     f"| {share(n['first'], counted)} | {share(n['last'], counted)} |")
+    lines += ["", "## Survivors", "", "| place | code | mutant |", "|---|---|---|"]
+    lines += [f"| {m.file} {m.function} | {cell(m.before)} | {cell(m.after)} |" for m in left]
+    lines += ["", "## Judged equivalent", "", "| place | code | mutant | reason |", "|---|---|---|---|"]
+    lines += [f"| {m.file} {m.function} | {cell(m.before)} | {cell(m.after)} | {equivalent[m.key]} |" for m in excused]
+    (root / "docs" / "mutants.md").write_text("\n".join(lines) + "\n")
