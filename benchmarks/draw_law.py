@@ -24,9 +24,9 @@ from law_studies import PARTS, flights, independent, without  # noqa: E402
 PICTURES = HERE.parent / "docs" / "pictures"
 UNCERTAIN = str(HERE.parent / "docs" / "scenarios" / "uncertain.yaml")
 CASE_1 = Path("results") / "law_table" / "case1" / "runs.parquet"
-LAWS = {"neural, calibrated": ("neural", "calibrated"),
-        "backstepping (a reconstruction)": ("backstepping", "calibrated"),
-        "resilient, quiet": ("resilient", "quiet")}
+LAWS = {"neural, calibrated": ("neural", "calibrated"), "neural, retuned": ("neural", "independent"),
+        "resilient, quiet": ("resilient", "quiet"), "backstepping, calibrated": ("backstepping", "calibrated"),
+        "backstepping, retuned": ("backstepping", "independent")}
 BLUE, ORANGE, RED = "#2471a3", "#e08e0b", "#c0392b"
 SWING = 0.05 * np.pi  # rad/s, of Case 1's coefficients
 
@@ -77,9 +77,10 @@ def maps(count=800):
     """Success over the phases of lift and moment for each law."""
     phases = np.degrees([[values["scenario"][f"scale_{group}_sine_phase"] for group in GROUPS]
                          for values in independent(18, count)])
-    figure, axes = plt.subplots(1, 3, figsize=(13, 4.6), sharey=True)
+    figure, axes = plt.subplots(2, 3, figsize=(13, 9), sharey=True)
+    axes[1, 2].set_axis_off()
     result = {}
-    for axis, (name, (law, preset)) in zip(axes, LAWS.items()):
+    for axis, (name, (law, preset)) in zip(axes.flat, LAWS.items()):
         found = [summary(flight) for flight in flights(count, preset, law=law)]
         kept = np.array([f.survived for f in found])
         within = kept & (np.array([f.h for f in found]) < 20)
@@ -91,7 +92,8 @@ def maps(count=800):
         axis.legend(fontsize="small", loc="upper center", bbox_to_anchor=(0.5, -0.16), ncol=3, handletextpad=0.1,
                     columnspacing=0.8)
         result[name] = {"within": int(within.sum()), "kept": int(kept.sum()), "of": count}
-    axes[0].set_ylabel("phase of the moment at t = 0 (deg)")
+    for axis in axes[:, 0]:
+        axis.set_ylabel("phase of the moment at t = 0 (deg)")
     save(figure, "maps")
     return result
 

@@ -30,14 +30,14 @@ def lower(found):
 
 @pytest.fixture(scope="module")
 def draws():
-    """Flights of each form with independent groups, 200 of the quiet one: form -> flights."""
-    return {form: flights(200 if form == "quiet" else 25, form) for form in FORMS}
+    """Flights of each form with independent groups, 300 of the quiet one: form -> flights."""
+    return {form: flights(300 if form == "quiet" else 25, form) for form in FORMS}
 
 
 def test_the_vehicle_is_kept_in_case_1(draws):
     found = [summary(flight) for flight in draws["quiet"]]
     heights, speeds = np.array([[flight.h, flight.V] for flight in found]).T
-    assert lower([flight.survived for flight in found]) > 0.98  # 200 of 200; one less would be 0.972
+    assert lower([flight.survived for flight in found]) > 0.98
     assert lower(heights < 20) > 0.97
     assert np.median(heights) <= 5 and np.quantile(heights, 0.99) <= 20.5 and np.quantile(speeds, 0.99) <= 80
 
