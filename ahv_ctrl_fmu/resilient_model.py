@@ -32,7 +32,7 @@ COUPLED = {
     "k_gamma": 0.7872, "k_path": 0.8277, "k_alpha": 1.341, "k_Q": 18.45, "k_V": 5.5,
     "observer_V": 2.233, "observer_gamma": 6.582, "observer_Q": 3.47,
     "filter_h": 49.25, "filter_gamma": 44.82, "filter_lift": 35.84, "filter_moment": 188.4, "measured_rates": True,
-    "lift_lead": 0.9079, "moment_gain": 4.936, "moment_floor": 0.08144, "moment_washout": 3.061, "hold_rate": 2.482,
+    "lift_lead": 0.9079, "moment_gain": 4.936, "moment_floor": 0.08144, "moment_washout": 3.061, "hold_rate": 2.103,
     "alpha_margin": 0.674 * DEG, "k_barrier": 1.161, "barrier_margin": 0.13 * DEG,
     "V_recovery": 1.233, "elevator_band": 0.7145 * DEG, "servo_rate": 215.8, "servo_speed": 60 * DEG,
     **NO_FILTER,
