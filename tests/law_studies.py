@@ -5,10 +5,20 @@ import numpy as np
 from evidence import GROUPS, Loaded, Values, fly, summary
 from studies import NOISE
 
+from ahv_plant_fmu.vehicle import COEFFICIENTS
 from cosim.master.flight import Flight
 
 LAG = {"elevator_bandwidth": 30.0, "elevator_rate_limit": np.radians(60)}
 DEG = np.pi / 180
+PLANT = {name: value for name, _, value, _ in COEFFICIENTS}
+
+# The four flexible structures of preset `coupled`: parameters of the plant.
+STRUCTURES: dict[str, dict[str, float]] = {
+    "decoupled": {},
+    "printed sign": {"psi_1": -363.5, "psi_2": 328.8},
+    "mode 1 turned": {"psi_1": 363.5, "psi_2": 328.8},
+    "energy-consistent": {"psi_1": -363.5, "psi_2": 328.8, "coupling_sign": -1.0},
+}
 
 # What is left out -> the gains that leave it out of preset `quiet`, and a flight that is lost without it: a draw of
 # `independent(18, ...)`, on which plant, lost or missed (by more than 20 ft). None: noise or `together` shows it.
@@ -44,6 +54,17 @@ def flights(count: int, form: str | None = "quiet", case: str = "case1", plant: 
     with Loaded(law, form, "instrumented" if plant else "ideal") as loaded:
         return [loaded.fly(case, {**values, "plant": plant or {}, "controller": gains or {}}, stop=stop)
                 for values in independent(seed, count)]
+
+
+def modes(factor: float) -> dict[str, float]:
+    """The plant's parameters with the frequencies of both modes times `factor`."""
+    return {name: factor * PLANT[name] for name in ("omega_1", "omega_2")}
+
+
+def apart(first: float, second: float) -> dict[str, float]:
+    """The plant's parameters with the generalised force N1 times `first` and N2 times `second`."""
+    return {name: (first if name.startswith("N1") else second) * PLANT[name]
+            for name in PLANT if name.startswith(("N1_", "N2_"))}
 
 
 def without(part: str, count: int) -> SimpleNamespace:

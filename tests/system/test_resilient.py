@@ -2,7 +2,7 @@
 import numpy as np
 import pytest
 from evidence import GROUPS, Loaded, fly, summary
-from law_studies import LAG, PARTS, flights, independent
+from law_studies import LAG, PARTS, STRUCTURES, apart, flights, independent, modes
 from scipy.stats import binomtest
 from studies import NOISE
 
@@ -13,8 +13,6 @@ from cosim.vehicle.linearize import linearize
 from cosim.vehicle.metrics import metrics
 
 FORMS = ("quiet", "lean", "coupled")
-STRUCTURES = ({}, {"psi_1": -363.5, "psi_2": 328.8}, {"psi_1": 363.5, "psi_2": 328.8},
-              {"psi_1": -363.5, "psi_2": 328.8, "coupling_sign": -1.0})
 
 
 def climbing(**scales):
@@ -54,14 +52,33 @@ def test_the_vehicle_is_kept_with_actuators_and_sensors_as_they_are(plant):
     assert all(flight.survived and flight.h < 20 for flight in found)
 
 
-@pytest.mark.parametrize("structure", STRUCTURES, ids=["none", "printed sign", "mode 1 turned", "energy-consistent"])
+@pytest.mark.parametrize("structure", STRUCTURES.values(), ids=STRUCTURES)
 def test_one_preset_keeps_the_vehicle_on_every_structure(structure):
+    little = {"scenario": {f"scale_{group}_base": 0.6 for group in ("lift", "moment")}}
     with Loaded("resilient", "coupled") as loaded:
         found = [summary(loaded.fly("case1", {**values, "plant": structure}, stop=40))
-                 for values in independent(21, 15)]
+                 for values in independent(21, 40)]
         together = summary(loaded.fly("case2", {"plant": structure}))
-    assert all(flight.survived for flight in found) and sum(flight.h < 20 for flight in found) >= 13
+        corner = summary(loaded.fly("hold", {**little, "plant": structure}))
+    assert all(flight.survived for flight in found) and sum(flight.h < 20 for flight in found) >= 35
     assert together.h <= 5 and together.travel <= 250
+    assert corner.survived
+
+
+@pytest.mark.parametrize("error", [modes(0.9), modes(1.1), apart(1.4, 0.6), apart(0.6, 1.4)],
+                         ids=["slower modes", "faster modes", "N1 more, N2 less", "N1 less, N2 more"])
+@pytest.mark.parametrize("structure", list(STRUCTURES.values())[1:], ids=list(STRUCTURES)[1:])
+def test_the_structure_need_not_be_known_exactly(structure, error):
+    with Loaded("resilient", "coupled") as loaded:
+        found = [summary(loaded.fly("case1", {**values, "plant": {**structure, **error}}, stop=40))
+                 for values in independent(24, 10)]
+    assert all(flight.survived for flight in found) and sum(flight.h < 20 for flight in found) >= 8
+
+
+@pytest.mark.parametrize("structure", STRUCTURES.values(), ids=STRUCTURES)
+def test_the_loop_with_a_structure_has_margins(structure):
+    elevator = linearize("resilient", "coupled", values={"plant": structure})["margins"]["elevator"]
+    assert elevator["gain_down"] < 0.66 and elevator["gain_up"] > 1.75 and elevator["phase_deg"] > 25
 
 
 @pytest.mark.parametrize("part, travel", [(0.1, 150), (1.0, 1200)])
