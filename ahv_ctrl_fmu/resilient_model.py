@@ -1,11 +1,11 @@
 """The law that keeps the vehicle as a component: its table of variables and its presets."""
 from .ports import DEG, PORTS, SHARED, SMALL
-from .resilient import advance, outputs, prepare, start  # noqa: F401  (the component's functions)
+from .resilient import SECTIONS, advance, outputs, prepare, start  # noqa: F401  (the last four: the component)
 
 NAME = "AhvResilient"
 DESCRIPTION = "Control law that keeps the vehicle while its coefficients err by 40 %, each group on its own"
 
-NO_FILTER = {f"section_{k}_{name}": 0.0 for k in "abcd" for name in ("zero", "zero_damping", "pole", "pole_damping")}
+NO_FILTER = {f"section_{k}_{name}": 0.0 for k in SECTIONS for name in ("zero", "zero_damping", "pole", "pole_damping")}
 
 # The quiet form: deaf to noise, sturdy against slow actuators, and the most accurate over independent draws.
 QUIET = {
@@ -84,7 +84,7 @@ VARIABLES = [
         ("servo_speed", "rad/s", SMALL, None, "largest speed of the elevator servo's model"),
     )),
     *((f"section_{k}_{name}", "parameter", unit, 0.0, low, 1000.0, None, f"moment demand's filter, section {k}: {text}")
-      for k in "abcd" for name, unit, low, text in (
+      for k in SECTIONS for name, unit, low, text in (
         ("zero", "rad/s frequency", 0.0, "frequency of its zeros; 0 for none"),
         ("zero_damping", "1", -10.0, "damping ratio of its zeros"),
         ("pole", "rad/s frequency", 0.0, "frequency of its poles; 0 for no section"),
