@@ -69,7 +69,7 @@ def section_gains(p, k):
 
 
 def prepare(m, p, h):
-    """39 numbers for steps of h: reference filter (4), sections (20), observers (6), low-passes (9)."""
+    """34 numbers for steps of h: reference filter (4), sections (15), observers (6), low-passes (9)."""
     numbers = Numbers(
         reference=filter_transition(p.reference_omega, p.reference_zeta, h),
         filter=[value for k in SECTIONS for value in section(m, section_gains(p, k), h)],

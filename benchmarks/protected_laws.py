@@ -40,7 +40,7 @@ ROWS = [
         ("protect_margin", "rad", 1.5, "elevator kept back from the stop"))),
 ]
 OBSERVERS = 4 + r.FILTER + len(r.State._fields) - 3                     # numbers of its state
-NUMBERS = 4 + 4 * r.COEFFICIENTS + 6 + len(r.Numbers._fields) - 5       # that depend on the step only
+NUMBERS = 4 + len(r.SECTIONS) * r.COEFFICIENTS + 6 + len(r.Numbers._fields) - 5       # that depend on the step only
 
 BEYOND = 1.5  # rad: an elevator without a stop
 

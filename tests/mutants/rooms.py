@@ -61,7 +61,7 @@ ROOMS: dict[str, list[tuple[str, list[str] | None]]] = {
         ("cosim/campaign/[es]*.py", ["unit/test_campaign_statistics unit/test_campaign_sampling",
                                      "system/test_campaign_file unit/test_campaign_summary",
                                      "unit/test_campaign_nominal", "system/test_campaign"]),
-        ("cosim/campaign/*.py", ["unit/test_campaign_criteria unit/test_campaign_summary unit/test_campaign_worker",
+        ("cosim/campaign/*.py", ["unit/test_campaign_criteria unit/test_campaign_summary unit/test_campaign_loading",
                                  "system/test_campaign_file unit/test_campaign_nominal", "system/test_campaign"]),
     ],
 }
