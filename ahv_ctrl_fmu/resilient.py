@@ -24,7 +24,7 @@ LEAST_LIFT = 0.3  # of the weight: below it lift says little about its scale
 LEAD_RATE = 1.0  # 1/s, of the low-pass in the lift's prediction
 FASTEST_SCALE = 0.13  # 1/s: 0.4 of amplitude at 0.1 pi rad/s
 LEAST_ALPHA = -0.05  # rad
-SECTIONS = ("a", "b", "c", "d")
+SECTIONS = ("a", "b", "c")
 
 v, e = NOMINAL_VEHICLE, -NOMINAL_VEHICLE.CM_elevator
 REST = v.thrust_arm / v.pitch_inertia  # pitch acceleration per thrust

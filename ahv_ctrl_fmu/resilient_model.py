@@ -1,11 +1,11 @@
 """The law that keeps the vehicle as a component: its table of variables and its presets."""
 from .ports import DEG, PORTS, SHARED, SMALL
-from .resilient import advance, outputs, prepare, start  # noqa: F401  (the component's functions)
+from .resilient import SECTIONS, advance, outputs, prepare, start  # noqa: F401  (the last four: the component)
 
 NAME = "AhvResilient"
 DESCRIPTION = "Control law that keeps the vehicle while its coefficients err by 40 %, each group on its own"
 
-NO_FILTER = {f"section_{k}_{name}": 0.0 for k in "abcd" for name in ("zero", "zero_damping", "pole", "pole_damping")}
+NO_FILTER = {f"section_{k}_{name}": 0.0 for k in SECTIONS for name in ("zero", "zero_damping", "pole", "pole_damping")}
 
 # The quiet form: deaf to noise, sturdy against slow actuators, and the most accurate over independent draws.
 QUIET = {
@@ -27,21 +27,20 @@ LEAN = {
     "V_recovery": 2.7, "elevator_band": 5 * DEG, "servo_rate": 61.0, "servo_speed": 60 * DEG,
     **NO_FILTER,
 }
-# The lean form for a structure that pushes back, either way: the moment demand is filtered about the modes.
+# For a structure that pushes back, either way: three sections in the moment demand, slow observers. It states every
+# number itself: margins and flights were found together, and a change of another preset must not move them.
 COUPLED = {
-    **LEAN,
-    "k_gamma": 0.50679, "k_path": 1.335, "k_alpha": 1.4736, "k_Q": 7.4662,
-    "observer_V": 11.243, "observer_gamma": 26.593, "observer_Q": 4.7735, "filter_gamma": 2 * 26.593,
-    "filter_lift": 34.22, "lift_lead": 0.4437, "moment_gain": 18.5, "moment_floor": 0.10763, "moment_washout": 4.0753,
-    "hold_rate": 1.5066, "alpha_margin": 1.1524 * DEG, "k_barrier": 1.3003, "barrier_margin": 0.049407 * DEG,
-    "V_recovery": 2.2756, "elevator_band": 1.4442 * DEG, "servo_rate": 130.41,
-    "section_a_zero": 14.558, "section_a_zero_damping": 0.063287,
-    "section_a_pole": 14.566, "section_a_pole_damping": 0.47241,
-    "section_b_zero": 19.312, "section_b_zero_damping": -0.03226,
-    "section_b_pole": 19.449, "section_b_pole_damping": 0.042695,
-    "section_c_zero": 24.424, "section_c_zero_damping": 0.069165,
-    "section_c_pole": 31.816, "section_c_pole_damping": 0.26942,
-    "section_d_pole": 101.94, "section_d_pole_damping": 0.4709,
+    "k_gamma": 0.7872, "k_path": 0.8277, "k_alpha": 1.341, "k_Q": 18.45, "k_V": 5.5,
+    "observer_V": 2.233, "observer_gamma": 6.582, "observer_Q": 3.47,
+    "filter_h": 49.25, "filter_gamma": 44.82, "filter_lift": 35.84, "filter_moment": 188.4, "measured_rates": True,
+    "lift_lead": 0.9079, "moment_gain": 4.936, "moment_floor": 0.08144, "moment_washout": 3.061, "hold_rate": 2.103,
+    "alpha_margin": 0.674 * DEG, "k_barrier": 1.161, "barrier_margin": 0.13 * DEG,
+    "V_recovery": 1.233, "elevator_band": 0.7145 * DEG, "servo_rate": 215.8, "servo_speed": 60 * DEG,
+    **NO_FILTER,
+    "section_a_zero": 24.73, "section_a_zero_damping": 0.4764, "section_a_pole": 16.89, "section_a_pole_damping": 2.0,
+    "section_b_zero": 15.66, "section_b_zero_damping": 0.05257, "section_b_pole": 33.73,
+    "section_b_pole_damping": 0.4948,
+    "section_c_pole": 154.4, "section_c_pole_damping": 2.0,
 }
 PRESETS = {"quiet": QUIET, "lean": LEAN, "coupled": COUPLED}
 
@@ -85,7 +84,7 @@ VARIABLES = [
         ("servo_speed", "rad/s", SMALL, None, "largest speed of the elevator servo's model"),
     )),
     *((f"section_{k}_{name}", "parameter", unit, 0.0, low, 1000.0, None, f"moment demand's filter, section {k}: {text}")
-      for k in "abcd" for name, unit, low, text in (
+      for k in SECTIONS for name, unit, low, text in (
         ("zero", "rad/s frequency", 0.0, "frequency of its zeros; 0 for none"),
         ("zero_damping", "1", -10.0, "damping ratio of its zeros"),
         ("pole", "rad/s frequency", 0.0, "frequency of its poles; 0 for no section"),

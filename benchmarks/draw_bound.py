@@ -26,7 +26,8 @@ from cosim.campaign.statistics import interval
 PICTURE = ROOT / "docs" / "pictures" / "bound.png"
 LAWS = [{"law": "resilient", "preset": "quiet", "name": "resilient, quiet"},
         {"law": "neural", "preset": "calibrated", "name": "neural, calibrated"},
-        {"law": "neural", "preset": "robust", "name": "neural, robust"}]
+        {"law": "neural", "preset": "independent", "name": "neural, retuned"},
+        {"law": "backstepping", "preset": "independent", "name": "backstepping, retuned"}]
 LABELS = {KNOWN: "bound, all known", "0.1": "bound, blind for 0.1 s", "0.3": "bound, blind for 0.3 s"}
 BINS = (0.0, 1.0, 5.0, np.inf)  # ft: draws by their bound when blind for 0.1 s
 LEAST, MOST = 0.01, 200.0      # ft, ends of the axis

@@ -7,6 +7,7 @@
 import json
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import matplotlib
 
@@ -19,14 +20,22 @@ HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parent / "tests"))
 
 from evidence import DEPARTED, GROUPS, Loaded, fly, summary  # noqa: E402
-from law_studies import PARTS, flights, independent, without  # noqa: E402
+from law_studies import PARTS, STRUCTURES, flights, independent, modes, without  # noqa: E402
+
+import ahv_plant_fmu.model as vehicle  # noqa: E402
+from ahv_ctrl_fmu import resilient_model  # noqa: E402
+from ahv_ctrl_fmu.resilient import SECTIONS, section_gains  # noqa: E402
+from ahv_ctrl_fmu.sections import section  # noqa: E402
+from cosim.analysis.margins import margins, response  # noqa: E402
+from fmus import floats  # noqa: E402
+from fmus.linearize import linear_loop, linear_vehicle  # noqa: E402
 
 PICTURES = HERE.parent / "docs" / "pictures"
 UNCERTAIN = str(HERE.parent / "docs" / "scenarios" / "uncertain.yaml")
 CASE_1 = Path("results") / "law_table" / "case1" / "runs.parquet"
-LAWS = {"neural, calibrated": ("neural", "calibrated"),
-        "backstepping (a reconstruction)": ("backstepping", "calibrated"),
-        "resilient, quiet": ("resilient", "quiet")}
+LAWS = {"neural, calibrated": ("neural", "calibrated"), "neural, retuned": ("neural", "independent"),
+        "resilient, quiet": ("resilient", "quiet"), "backstepping, calibrated": ("backstepping", "calibrated"),
+        "backstepping, retuned": ("backstepping", "independent")}
 BLUE, ORANGE, RED = "#2471a3", "#e08e0b", "#c0392b"
 SWING = 0.05 * np.pi  # rad/s, of Case 1's coefficients
 
@@ -77,9 +86,10 @@ def maps(count=800):
     """Success over the phases of lift and moment for each law."""
     phases = np.degrees([[values["scenario"][f"scale_{group}_sine_phase"] for group in GROUPS]
                          for values in independent(18, count)])
-    figure, axes = plt.subplots(1, 3, figsize=(13, 4.6), sharey=True)
+    figure, axes = plt.subplots(2, 3, figsize=(13, 9), sharey=True)
+    axes[1, 2].set_axis_off()
     result = {}
-    for axis, (name, (law, preset)) in zip(axes, LAWS.items()):
+    for axis, (name, (law, preset)) in zip(axes.flat, LAWS.items()):
         found = [summary(flight) for flight in flights(count, preset, law=law)]
         kept = np.array([f.survived for f in found])
         within = kept & (np.array([f.h for f in found]) < 20)
@@ -91,7 +101,8 @@ def maps(count=800):
         axis.legend(fontsize="small", loc="upper center", bbox_to_anchor=(0.5, -0.16), ncol=3, handletextpad=0.1,
                     columnspacing=0.8)
         result[name] = {"within": int(within.sum()), "kept": int(kept.sum()), "of": count}
-    axes[0].set_ylabel("phase of the moment at t = 0 (deg)")
+    for axis in axes[:, 0]:
+        axis.set_ylabel("phase of the moment at t = 0 (deg)")
     save(figure, "maps")
     return result
 
@@ -167,7 +178,51 @@ def ablation(count=200):
     return result
 
 
-DRAWN = (uncertain, maps, worst, ablation)
+def filter_response(gains, omega, step=0.01):
+    """The moment demand's filter of a preset at `omega` (rad/s): a complex vector."""
+    z, F = np.exp(1j * omega * step), np.ones(len(omega), complex)
+    for k in SECTIONS:
+        b0, b1, b2, a1, a2 = section(floats, section_gains(SimpleNamespace(**gains), k), step)
+        F *= (b0 * z**2 + b1 * z + b2) / (z**2 + a1 * z + a2)
+    return F
+
+
+def structures():
+    """Preset `coupled` at the elevator: its filter, and the loop on each structure."""
+    omega = np.geomspace(0.3, np.pi / 0.01, 1500)
+    gains = resilient_model.PRESETS["coupled"]
+    figure, axes = plt.subplots(1, 2, figsize=(13, 4.2))
+    size = np.abs(filter_response(gains, omega))
+    axes[0].loglog(omega, size, BLUE)
+    axes[0].set(title="filter of the moment demand", ylabel="|F|", ylim=(1e-2, 3))
+    result = {"largest |F| above 35 rad/s": float(size[omega > 35].max())}
+    for (name, plant), colour in zip(STRUCTURES.items(), ("k", BLUE, ORANGE, RED)):
+        for factor, line in ((1.0, "-"), (0.9, ":"), (1.1, "--")):
+            if factor != 1 and not plant:
+                continue
+            cut = linear_loop(vehicle, resilient_model, gains, 7700.0, 85000.0,
+                              parameters={**plant, **modes(factor)}).cut(actuator=1)
+            loop = -response(cut.A, cut.B, cut.C, cut.D, omega, cut.step)[:, 0, 0]
+            axes[1].loglog(omega, np.abs(loop), line, color=colour, linewidth=1.5 if factor == 1 else 0.8,
+                           label=name if factor == 1 else None)
+            result[f"{name}, mode frequencies x {factor:g}"] = margins(omega, loop).as_dict()
+            if factor == 1 and plant:
+                poles = linear_vehicle(vehicle, 7700.0, 85000.0, **plant).poles
+                found = [float(abs(p)) for p in poles if p.imag > 5]
+                result[f"{name}, modes (rad/s)"] = [round(at, 2) for at in found]
+                for at in found:
+                    axes[0].axvline(at, color=colour, linewidth=0.8, linestyle=":")
+    axes[1].set(title="loop cut at the elevator", ylabel="gain", ylim=(1e-2, 10))
+    axes[1].legend(fontsize="small")
+    for axis in axes:
+        axis.axhline(1, color="0.5", linewidth=0.8)
+        axis.set_xlabel("frequency (rad/s)")
+        axis.grid(alpha=0.3, which="both")
+    save(figure, "structures")
+    return result
+
+
+DRAWN = (uncertain, maps, worst, ablation, structures)
 
 if __name__ == "__main__":
     wanted = sys.argv[1:] or [f.__name__ for f in DRAWN]

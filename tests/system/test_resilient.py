@@ -2,7 +2,7 @@
 import numpy as np
 import pytest
 from evidence import GROUPS, Loaded, fly, summary
-from law_studies import LAG, PARTS, flights, independent
+from law_studies import LAG, PARTS, STRUCTURES, apart, flights, independent, modes
 from scipy.stats import binomtest
 from studies import NOISE
 
@@ -13,8 +13,6 @@ from cosim.vehicle.linearize import linearize
 from cosim.vehicle.metrics import metrics
 
 FORMS = ("quiet", "lean", "coupled")
-STRUCTURES = ({}, {"psi_1": -363.5, "psi_2": 328.8}, {"psi_1": 363.5, "psi_2": 328.8},
-              {"psi_1": -363.5, "psi_2": 328.8, "coupling_sign": -1.0})
 
 
 def climbing(**scales):
@@ -30,14 +28,14 @@ def lower(found):
 
 @pytest.fixture(scope="module")
 def draws():
-    """Flights of each form with independent groups, 200 of the quiet one: form -> flights."""
-    return {form: flights(200 if form == "quiet" else 25, form) for form in FORMS}
+    """Flights of each form with independent groups, 300 of the quiet one: form -> flights."""
+    return {form: flights(300 if form == "quiet" else 25, form) for form in FORMS}
 
 
 def test_the_vehicle_is_kept_in_case_1(draws):
     found = [summary(flight) for flight in draws["quiet"]]
     heights, speeds = np.array([[flight.h, flight.V] for flight in found]).T
-    assert lower([flight.survived for flight in found]) > 0.98  # 200 of 200; one less would be 0.972
+    assert lower([flight.survived for flight in found]) > 0.98
     assert lower(heights < 20) > 0.97
     assert np.median(heights) <= 5 and np.quantile(heights, 0.99) <= 20.5 and np.quantile(speeds, 0.99) <= 80
 
@@ -54,14 +52,33 @@ def test_the_vehicle_is_kept_with_actuators_and_sensors_as_they_are(plant):
     assert all(flight.survived and flight.h < 20 for flight in found)
 
 
-@pytest.mark.parametrize("structure", STRUCTURES, ids=["none", "printed sign", "mode 1 turned", "energy-consistent"])
+@pytest.mark.parametrize("structure", STRUCTURES.values(), ids=STRUCTURES)
 def test_one_preset_keeps_the_vehicle_on_every_structure(structure):
+    little = {"scenario": {f"scale_{group}_base": 0.6 for group in ("lift", "moment")}}
     with Loaded("resilient", "coupled") as loaded:
         found = [summary(loaded.fly("case1", {**values, "plant": structure}, stop=40))
-                 for values in independent(21, 15)]
+                 for values in independent(21, 40)]
         together = summary(loaded.fly("case2", {"plant": structure}))
-    assert all(flight.survived for flight in found) and sum(flight.h < 20 for flight in found) >= 13
+        corner = summary(loaded.fly("hold", {**little, "plant": structure}))
+    assert all(flight.survived for flight in found) and sum(flight.h < 20 for flight in found) >= 35
     assert together.h <= 5 and together.travel <= 250
+    assert corner.survived
+
+
+@pytest.mark.parametrize("error", [modes(0.9), modes(1.1), apart(1.4, 0.6), apart(0.6, 1.4)],
+                         ids=["slower modes", "faster modes", "N1 more, N2 less", "N1 less, N2 more"])
+@pytest.mark.parametrize("structure", list(STRUCTURES.values())[1:], ids=list(STRUCTURES)[1:])
+def test_the_structure_need_not_be_known_exactly(structure, error):
+    with Loaded("resilient", "coupled") as loaded:
+        found = [summary(loaded.fly("case1", {**values, "plant": {**structure, **error}}, stop=40))
+                 for values in independent(24, 10)]
+    assert all(flight.survived for flight in found) and sum(flight.h < 20 for flight in found) >= 8
+
+
+@pytest.mark.parametrize("structure", STRUCTURES.values(), ids=STRUCTURES)
+def test_the_loop_with_a_structure_has_margins(structure):
+    elevator = linearize("resilient", "coupled", values={"plant": structure})["margins"]["elevator"]
+    assert elevator["gain_down"] < 0.66 and elevator["gain_up"] > 1.75 and elevator["phase_deg"] > 25
 
 
 @pytest.mark.parametrize("part, travel", [(0.1, 150), (1.0, 1200)])
@@ -122,16 +139,34 @@ def test_no_angle_of_attack_is_commanded_beyond_what_can_be_held(draws, form):
     assert bound >= 5, "the limit hardly ever bound: nothing was tested"
 
 
-@pytest.mark.parametrize("form", ["quiet", "lean"])
+SERVO = {"elevator_bandwidth": 21.6, "elevator_rate_limit": np.radians(60)}  # as `quiet` expects it
+
+
+@pytest.mark.parametrize("form, plant, told", [("lean", {}, {}), ("quiet", SERVO, {}),
+                                               ("quiet", {}, {"servo_rate": 0.0, "servo_speed": 1000.0})],
+                         ids=["lean", "quiet", "quiet, told of no servo"])
 @pytest.mark.parametrize("group, scale", [("lift", 0.7), ("lift", 1.3), ("moment", 0.7), ("moment", 1.3)])
-def test_the_scales_found_are_the_true_ones_once_the_vehicle_has_moved(form, group, scale):
-    flight = fly("hold", "resilient", form, climbing(**{group: scale}), stop=100)
-    other = "moment" if group == "lift" else "lift"
-    assert flight[f"controller.scale_{group}"][-1] == pytest.approx(scale, abs=0.02)
-    assert flight[f"controller.scale_{other}"][-1] == pytest.approx(1.0, abs=0.02)
+def test_the_scales_found_are_the_true_ones_once_the_vehicle_has_moved(form, plant, told, group, scale):
+    found = scales_found(form, group, scale, plant, told)
+    assert found == pytest.approx({"lift": 1.0, "moment": 1.0, group: scale}, abs=0.02)
 
 
-@pytest.mark.parametrize("case, form, altitude", [("case1", "quiet", 3.07), ("case2", "quiet", 5.02),
+def test_a_servo_that_is_quicker_than_the_laws_model_of_it_makes_the_moment_scale_a_little_small():
+    for group, scale in (("lift", 0.7), ("moment", 1.3)):
+        found = scales_found("quiet", group, scale, {}, {})
+        true = {"lift": 1.0, "moment": 1.0, group: scale}
+        assert found["lift"] == pytest.approx(true["lift"], abs=0.02)
+        assert 0.02 < true["moment"] - found["moment"] < 0.06
+
+
+def scales_found(form, group, scale, plant, told):
+    """The scales that the law has found after 100 s of climbing and sinking."""
+    values = {**climbing(**{group: scale}), "plant": plant, "controller": told}
+    flight = fly("hold", "resilient", form, values, "instrumented" if plant else "ideal", stop=100)
+    return {name: flight[f"controller.scale_{name}"][-1] for name in ("lift", "moment")}
+
+
+@pytest.mark.parametrize("case, form, altitude", [("case1", "quiet", 2.79), ("case2", "quiet", 5.06),
                                                   ("case1", "lean", 2.41), ("case2", "lean", 4.88)])
 def test_all_groups_together_are_flown_as_the_law_was_designed(case, form, altitude):
     assert summary(fly(case, "resilient", form)).h == pytest.approx(altitude, abs=0.01)
@@ -171,10 +206,10 @@ def test_the_first_outputs_are_the_trim_and_nominal_flight_stays_there():
 
 
 def test_scaled_it_is_linearised_with_what_it_has_learned():
-    """With the moment scale at 1 the same loop would be unstable; the flight finds 0.63."""
+    """The loop is flown until it is at rest, and linearised there."""
     found = linearize("resilient", scale=0.6)
     assert found["closed_loop"]["stable"] and found["closed_loop"]["abscissa"] < -0.08
-    assert found["margins"]["gamma"]["gain_up"] == pytest.approx(1.088, abs=0.01)
+    assert found["margins"]["gamma"]["gain_up"] == pytest.approx(1.124, abs=0.01)
     flight = fly("hold", "resilient", values={"scenario": {f"scale_{group}_base": 0.6 for group in GROUPS}}, stop=60)
-    assert flight["controller.scale_moment"][-1] == pytest.approx(0.63, abs=0.02)
+    assert flight["controller.scale_moment"][-1] == pytest.approx(0.693, abs=0.02)
     assert abs(flight["plant.h"][-1] - 85000) < 0.1
