@@ -14,6 +14,7 @@ holds the mutants that change nothing that can be observed, with the reason.
 """
 import argparse
 import compileall
+import ctypes
 import json
 import multiprocessing
 import os
@@ -42,6 +43,7 @@ JUDGED = Path(__file__).with_name("judged.yaml")
 LIBRARIES = ("pytest", "casadi", "fmpy.fmi2", "lxml.etree", "pythonfmu", "pyarrow.parquet", "pydantic", "scipy.stats",
              "scipy.signal", "hypothesis.strategies", "matplotlib.figure", "typer", "rich.console", "numba")
 PYTEST = ["-x", "-q", "--no-header", "--tb=line", "-p", "no:cacheprovider", "-m", "not slow"]
+PDEATHSIG = 1
 SECONDS = {"processor": 300, "asleep": 600}  # of a stage; what computes longer, or does nothing for so long, hangs
 
 
@@ -120,6 +122,7 @@ class Copy:
         """In the forked process: pytest in the copy, in a process group of its own."""
         try:
             os.setsid()
+            ctypes.CDLL(None).prctl(PDEATHSIG, signal.SIGKILL)  # it ends with its worker
             os.chdir(self.root)
             out = os.open("results/said.txt", os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
             os.dup2(out, 1)

@@ -13,8 +13,10 @@ A mistake (a mutant) is one operator, constant, condition or statement changed. 
 same number in every room of the project, and tries each mutant in a copy of the tree. A mutant is killed when a test
 fails or hangs. A mutant that changes nothing that can be observed is *equivalent*: `tests/mutants/judged.yaml` lists
 these with the reason. The share is killed / (tried - equivalent). "Before" is the share at the first trial of each
-mutant, when no tests had been written for the survivors yet. `tests/mutants/rooms.py` names the files and the tests
-of each room, `tests/mutants/points.py` the changes.
+mutant, when no tests had been written for the survivors yet; the recorded flights of the models
+(`tests/unit/test_model_numbers.py`) were there already. A room with fewer tried than drawn is not finished:
+`make mutants` goes on there. `tests/mutants/rooms.py` names the files and the tests of each room,
+`tests/mutants/points.py` the changes.
 
 This page is written by `.venv/bin/python tests/mutants --table`.
 """
@@ -39,18 +41,19 @@ def write_table(root: Path, samples: dict[str, tuple[list[Mutant], int]], known:
         tried = [mutant for mutant in sample if mutant.key in known and mutant.key not in equivalent]
         first = sum(known[mutant.key][0]["killed"] for mutant in tried)
         last = sum(known[mutant.key][-1]["killed"] for mutant in tried)
-        found = {"points": points, "tried": len(tried) + len(judged), "judged": len(judged), "first": first,
-                 "last": last, "open": len(tried) - last}
+        found = {"points": points, "drawn": len(sample), "tried": len(tried) + len(judged), "judged": len(judged),
+                 "first": first, "last": last, "open": len(tried) - last}
         total.update(found)
         rows.append((room, found))
         left += [mutant for mutant in tried if not known[mutant.key][-1]["killed"]]
         excused += judged
-    lines = [HEAD, "| room | possible | tried | equivalent | killed | survived | before | share |",
-             "|---|---|---|---|---|---|---|---|"]
+    lines = [HEAD, "| room | possible | drawn | tried | equivalent | killed | survived | before | share |",
+             "|---|---|---|---|---|---|---|---|---|"]
     for room, n in [*rows, ("all", total)]:
         counted = n["tried"] - n["judged"]
-        lines.append(f"| {room} | {n['points']} | {n['tried']} | {n['judged']} | {n['last']} | {n['open']} "
-                     f"| {share(n['first'], counted)} | {share(n['last'], counted)} |")
+        cells = [room, *(n[key] for key in ("points", "drawn", "tried", "judged", "last", "open")),
+                 share(n["first"], counted), share(n["last"], counted)]
+        lines.append(f"| {' | '.join(map(str, cells))} |")
     lines += ["", "## Survivors", "", "| place | code | mutant |", "|---|---|---|"]
     lines += [f"| {m.file} {m.function} | {cell(m.before)} | {cell(m.after)} |" for m in left]
     lines += ["", "## Judged equivalent", "", "| place | code | mutant | reason |", "|---|---|---|---|"]

@@ -1,4 +1,5 @@
 """What the builder writes of a model: its description, presets, page, icon and table in C, each read back."""
+import re
 import struct
 import xml.etree.ElementTree as ET
 import zlib
@@ -114,6 +115,10 @@ def test_the_page_shows_values_as_people_read_them(model, trace, tmp_path):
                 ["rate", "1", "1/s"], ["tilt", "14.3239", "deg"], ["locked", "true", ""],
                 ["level", "no input"], ["angle", "flow"]):
         assert "<tr>" + "".join(f"<td>{cell}</td>" for cell in row) + "</tr>" in page, row
+    for heading, names in (("Inputs", ["flow", "open"]), ("Outputs", ["level", "angle", "turn", "full"]),
+                           ("Parameters", ["rate", "tilt", "locked", "internal_step"])):
+        table = page.partition(f"<h2>{heading}</h2>")[2].partition("</table>")[0]
+        assert re.findall("<tr><td>(.*?)</td>", table) == names
     assert "<h3>tank</h3><pre>A &lt;tank&gt;.</pre>" in page and "resources/presets/slow.ssv" in page
 
 
