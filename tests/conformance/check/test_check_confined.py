@@ -1,7 +1,6 @@
 """A hostile FMU: what it may use is limited, what it starts ends with it, and it cannot rewrite its verdict."""
 import json
 import os
-import re
 import signal
 import subprocess
 import time
@@ -36,8 +35,7 @@ def limits(report):
 
 def left_behind():
     """Processes that the fixture started."""
-    found = subprocess.run(["ps", "-eo", "args"], capture_output=True, text=True).stdout
-    return re.findall(r"sleep 98765.4", found)
+    return [found for found in using("98765.4") if found.startswith("sleep")]
 
 
 @pytest.mark.parametrize("defect, said", [
@@ -92,7 +90,7 @@ def test_nothing_lives_on_when_the_check_is_killed(tmp_path, how):
 
 
 def using(folder):
-    """Processes whose working folder or command line is below `folder`."""
+    """The command lines of processes that name `folder`, or work in it."""
     found = []
     for process in Path("/proc").glob("[0-9]*"):
         try:
