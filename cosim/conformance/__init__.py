@@ -23,7 +23,7 @@ def check(path: Path, dynamic: bool = True, time_limit: float = 30.0, cycles: in
     limits, that one too. `cycles` is how many lives of an instance the search for memory leaks takes (fewer for
     slow FMUs, which the report then says). Nothing is written outside of a temporary folder, which is removed.
 
-    Raises RunError if that folder cannot be written, UsageError for a limit that is not above 0.
+    Raises UsageError for a limit that is not above 0.
     """
     from .checker import check as run  # the child must not import lxml and fmpy
     from .confined import Limits

@@ -5,7 +5,6 @@ names the probe, the mark names the call, and a new child runs the remaining pro
 """
 import json
 import platform
-import signal
 import sys
 import time
 from dataclasses import replace
@@ -14,7 +13,7 @@ from typing import Any
 
 from ..master.declared import Variable, integer, number
 from . import probes  # noqa: F401  (importing the probes registers them)
-from .confined import Confined, Limits, sandbox
+from .confined import Confined, Limits, sandbox, why
 from .fmi2 import MARK_BYTES, Mark
 from .job import Job, Known
 from .probes.bench import PROBES
@@ -52,9 +51,9 @@ def run_probes(job: Job, report: Report, work: Path, limits: Limits) -> None:
         if done == 0:
             reason = (work / "stderr.txt").read_text("utf-8", "replace").strip() or "no reason given"
             raise RuntimeError(f"the checking process did not begin with '{job.probes[0]}': {reason}")
-        why = next((FATAL_RULES[f.rule] for f in report.findings if ends_the_check(f)), None)
-        if why:
-            report.skip("the probes after that", why)
+        cause = next((FATAL_RULES[f.rule] for f in report.findings if ends_the_check(f)), None)
+        if cause:
+            report.skip("the probes after that", cause)
             return
         job = replace(job, probes=job.probes[done:])
 
@@ -137,7 +136,7 @@ def run_child(job: Job, report: Report, work: Path, limits: Limits, deadline: fl
         child.end()
     begun, ended, died = take_answers(child.answers, report)
     if len(begun) > len(ended):
-        death = stopped or died or cause_of_death(child.process.returncode)
+        death = stopped or died or why(child.process.returncode, limits) or "exit code 0"
         report_death(report, begun[-1], death, Mark.read(mark)[1], limits)
     return len(begun)
 
@@ -219,10 +218,3 @@ def report_death(report: Report, probe: str, death: str, call: str, limits: Limi
         found = f"{call} ended the process with {death} (probe '{probe}')"
         if not any((f.rule, f.variable) == ("dynamic.crash", call) for f in report.findings):
             report.add("dynamic.crash", Fault(call, found, "a status"), severity)
-
-
-def cause_of_death(returncode: int) -> str:
-    """The signal, or the exit code, with which the child ended."""
-    if returncode < 0 and -returncode in signal.valid_signals():
-        return f"signal {signal.Signals(-returncode).name}"
-    return f"exit code {returncode}"

@@ -13,11 +13,11 @@ from ..master.system import Value
 from . import scenarios
 from .closed_loop import LINKS, Values, closed_loop, flavour_of, fmu_path, merged, no_component
 from .registry import LAWS, PLANTS
+from .scenarios import GROUPS
 
 ACTUATORS, SENSORS, COMMANDS = (
     [f"{source}.{name}" for source, target, name in LINKS if (source, target) == ends]
     for ends in (("controller", "plant"), ("plant", "controller"), ("scenario", "controller")))
-GROUPS = ("thrust", "lift", "drag", "moment", "forces")
 LONGEST_STEP = 1.0  # s; the vehicle's elastic modes turn three times in that
 
 # What is set by options of their own, and would be overruled.

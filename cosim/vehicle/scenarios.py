@@ -6,6 +6,9 @@ from pydantic import BaseModel, ConfigDict, Field, PrivateAttr
 
 from ..errors import UsageError, nearest
 from ..yaml_file import Source
+from .scenario_model import SCALES
+
+GROUPS = tuple(name.removeprefix("scale_") for name in SCALES)  # of coefficients, which a scenario scales together
 
 
 class Scenario(BaseModel):

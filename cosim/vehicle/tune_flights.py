@@ -14,9 +14,9 @@ from ..master.loaded import Master, open_files
 from ..master.system import System, Value
 from .closed_loop import Values, merged
 from .metrics import ALTITUDE_ERROR, metrics
+from .scenarios import GROUPS
 from .signals import course
 
-GROUPS = ("thrust", "lift", "drag", "moment", "forces")
 LOST_FT = 100.0                      # with a larger altitude error the vehicle counts as lost
 EASE = 0.05                          # weight of elevator travel and speed error beside the altitude error
 TRAVEL_DEG, SPEED_FPS = 100.0, 10.0  # what these two are measured by
