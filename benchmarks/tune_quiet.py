@@ -20,8 +20,10 @@ from law_studies import LAG, independent
 from studies import NOISE
 
 from ahv_ctrl_fmu.resilient_model import QUIET
-from cosim.master.fmu import FmuFile
-from cosim.vehicle.closed_loop import fmu_path
+from cosim.campaign import plan as plans
+from cosim.campaign.sampling import draw
+from cosim.campaign.spec import Campaign
+from cosim.yaml_file import Source
 
 GAINS = [name for name, value in QUIET.items() if value and not isinstance(value, bool)]
 LATE = {"Q_delay": 0.03}
@@ -31,17 +33,11 @@ Flown = tuple[str, float, dict, dict]  # scenario, stop (s), values of the scena
 
 
 def instruments(seed, count):
-    """Plant values drawn as docs/campaigns/instruments.yaml draws them."""
-    rng = np.random.default_rng(seed)
-    with FmuFile.open(fmu_path("native", "AhvInstrumentedPlant")) as file:
-        nominal = {name: float(file.variables[name].start) for name in ("CL_alpha", "CM_alpha")}
-    return [{"elevator_bandwidth": rng.uniform(15, 60), "elevator_rate_limit": rng.uniform(0.3, 1.5),
-             "elevator_delay": rng.uniform(0, 0.03), "fuel_ratio_bandwidth": rng.uniform(5, 20),
-             "Q_noise": 2e-5 * np.exp(0.7 * rng.normal()), "h_noise": 0.05 * np.exp(0.7 * rng.normal()),
-             "Q_delay": float(rng.choice([0, 0.01, 0.02], p=[0.5, 0.25, 0.25])),
-             "noise_seed": int(rng.integers(1, 1_000_000)),
-             **{name: (1 + 0.02 * z) * nominal[name] for name, z in zip(
-                 nominal, rng.multivariate_normal([0, 0], [[1, 0.6], [0.6, 1]]))}} for _ in range(count)]
+    """Plant values of the first runs of docs/campaigns/instruments.yaml, had it this seed."""
+    source = Source(Path(__file__).parents[1] / "docs" / "campaigns" / "instruments.yaml", "campaign file")
+    made = plans.make(source.load(Campaign).model_copy(update={"seed": seed}), source)
+    return [{name.partition(".")[2]: value for name, value in
+             draw(made.draws["resilient"], made.job.sampler.uniforms(run)).items()} for run in range(count)]
 
 
 class Search:
