@@ -36,13 +36,11 @@ def claimed(out: Path | None, kind: str, name: str, recover: bool = False) -> It
     """
     folder = expanded(out) if out else Path("results") / kind / name
     try:
-        with opened(folder, kind) as lock:
+        with opened(folder, kind, not recover) as lock:
             if not locked(lock, folder / OWN / MARK):
                 raise UsageError(f"Another ahv is writing to {folder} just now: wait, or give --out another folder.")
             check_owner(folder, kind)
-            lock.truncate(0)
-            lock.write(json.dumps({"kind": kind}) + "\n")
-            lock.flush()
+            mark(lock, kind)
             settle(folder, kind)
             rows = folder / OWN / ROWS
             if rows.exists() and not recover:
@@ -61,17 +59,15 @@ class Unusable(Exception):
 
 
 @contextmanager
-def opened(folder: Path, kind: str) -> Iterator[IO[str]]:
-    """The file that marks the folder, which is made. Raises Unusable, and UsageError as `check_owner`."""
+def opened(folder: Path, kind: str, probe: bool) -> Iterator[IO[str]]:
+    """The file that marks the folder, which is made, and tried with a `probe`. Raises Unusable, and UsageError as
+    `check_owner`."""
     own = folder / OWN
     try:
         check_owner(folder, kind)
         own.mkdir(parents=True, exist_ok=True)
-        probe = own / f"probe{os.getpid()}"
-        try:
-            probe.write_bytes(bytes(4096))
-        finally:
-            probe.unlink(missing_ok=True)
+        if probe:
+            tried(own / f"probe{os.getpid()}")
         lock = open(own / MARK, "a+")  # noqa: SIM115 (closed below)
     except OSError as error:
         raise Unusable(reason(error)) from None
@@ -79,6 +75,28 @@ def opened(folder: Path, kind: str) -> Iterator[IO[str]]:
         raise Unusable(error) from None
     with lock:
         yield lock
+
+
+def tried(path: Path) -> None:
+    """Write a file and remove it. Raises OSError."""
+    try:
+        path.write_bytes(bytes(4096))
+    finally:
+        path.unlink(missing_ok=True)
+
+
+def mark(lock: IO[str], kind: str) -> None:
+    """Write down the kind of results. Raises Unusable."""
+    text = json.dumps({"kind": kind}) + "\n"
+    lock.seek(0)
+    if lock.read() == text:
+        return
+    try:
+        lock.truncate(0)
+        lock.write(text)
+        lock.flush()
+    except OSError as error:
+        raise Unusable(reason(error)) from None
 
 
 def locked(lock: IO[str], path: Path) -> bool:

@@ -1,5 +1,6 @@
 """One flight of a scenario, from words to a folder of results: what `ahv run` does."""
 from collections.abc import Mapping
+from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -9,6 +10,7 @@ from ..master.flight import Flight
 from ..master.folder import claimed, expanded
 from ..master.isolated import launch
 from ..master.progress import progress_bar
+from ..master.publish import OWN, ROWS, forget
 from ..master.recover import asked, recovered
 from . import scenarios
 from .closed_loop import ClosedLoop, Values, closed_loop
@@ -46,36 +48,37 @@ def run(scenario: str | Scenario, controller: str = "neural", preset: Mapping[st
     with claimed(out, "run", plan.name) as folder:
         end = plan.stop if stop is None else stop
         said = said_of(plan, loop, algorithm, step, end)
-        options: dict[str, Any] = {}
-        if stream:
-            options = {"decimate": decimate, "stream": asked(folder, said)}
+        rows = asked(folder, said) if stream else None
+        options: dict[str, Any] = {"decimate": decimate, "stream": rows} if rows else {}
         bar, tell = progress_bar(plan.name, end)
         with bar:
             flight = launch(loop.system, step, end, algorithm, tell if progress else None, isolate or loop.foreign,
                             time_limit, plain=plain, real_time=real_time, **options)
         notes = [*loop.notes, *part_of_the_rows(flight, stream)]
-        return kept(folder, flight, said, notes, decimate, stream)
+        return kept(folder, flight, said, notes, decimate, rows)
 
 
-def recover(out: Path) -> Run:
-    """Make results of the rows in the folder `out` that a run with --stream left when it was killed.
+def recover(left: Path, out: Path | None = None) -> Run:
+    """Make results, in `out` or there, of the rows that a killed run with --stream left in the folder `left`.
 
     Its figures of merit are computed from a part of the rows, as those of every streamed run. Raises UsageError if
     there are no such rows, RunError if none is complete or there is no room.
     """
-    folder = expanded(out)
-    if not folder.is_dir():
-        raise UsageError(f"There is no folder {folder}.")
-    with claimed(folder, "run", "", recover=True):
-        if (found := recovered(folder)) is None:
-            raise UsageError(f"{folder} has no rows of a flight that was killed.")
+    if not (left := expanded(left)).is_dir():
+        raise UsageError(f"There is no folder {left}.")
+    with claimed(left, "run", "", recover=True), claimed(out, "run", "") if out else nullcontext(left) as folder:
+        if (found := recovered(left)) is None:
+            raise UsageError(f"{left} has no rows of a flight that was killed.")
         flight, said = found
-        return kept(folder, flight, said, part_of_the_rows(flight, True), stream=True)
+        done = kept(folder, flight, said, part_of_the_rows(flight, True), rows=left / OWN / ROWS)
+        forget(left)
+        return done
 
 
-def kept(folder: Path, flight: Flight, said: dict[str, Any], notes: list[str], decimate: int = 1, stream: bool = False
-         ) -> Run:
-    """The flight with its figures of merit, in a claimed folder; `said` is what run.json says of the request."""
+def kept(folder: Path, flight: Flight, said: dict[str, Any], notes: list[str], decimate: int = 1,
+         rows: Path | None = None) -> Run:
+    """The flight with its figures of merit, in a claimed folder; `said` is what run.json says of the request, `rows`
+    the file of a stream's rows."""
     from ..master.results import write
 
     said = dict(said)
@@ -84,7 +87,7 @@ def kept(folder: Path, flight: Flight, said: dict[str, Any], notes: list[str], d
     preset = f" ({said['preset']})" if said["preset"] else ""
     title = f"{said['scenario']}, {said['controller']}{preset}"
     published = write(folder, "run", flight, {**summary, "presets": presets}, decimate,
-                      [lambda place: draw(place, flight, title, first_figure)], stream)
+                      [lambda place: draw(place, flight, title, first_figure)], rows)
     return Run(flight, {**summary, "out": str(published.folder)}, published.folder, notes, published.trouble)
 
 
