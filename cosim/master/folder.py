@@ -36,12 +36,14 @@ def claimed(out: Path | None, kind: str, name: str, recover: bool = False) -> It
     """
     folder = expanded(out) if out else Path("results") / kind / name
     try:
-        with opened(folder, kind, not recover) as lock:
+        with opened(folder, kind) as lock:
             if not locked(lock, folder / OWN / MARK):
                 raise UsageError(f"Another ahv is writing to {folder} just now: wait, or give --out another folder.")
             check_owner(folder, kind)
             mark(lock, kind)
             settle(folder, kind)
+            if not recover:
+                tried(folder / OWN / "probe")
             rows = folder / OWN / ROWS
             if rows.exists() and not recover:
                 raise UsageError(f"{folder} has rows of a flight that was killed: `ahv recover {folder}` makes results "
@@ -59,15 +61,12 @@ class Unusable(Exception):
 
 
 @contextmanager
-def opened(folder: Path, kind: str, probe: bool) -> Iterator[IO[str]]:
-    """The file that marks the folder, which is made, and tried with a `probe`. Raises Unusable, and UsageError as
-    `check_owner`."""
+def opened(folder: Path, kind: str) -> Iterator[IO[str]]:
+    """The file that marks the folder, which is made. Raises Unusable, and UsageError as `check_owner`."""
     own = folder / OWN
     try:
         check_owner(folder, kind)
         own.mkdir(parents=True, exist_ok=True)
-        if probe:
-            tried(own / f"probe{os.getpid()}")
         lock = open(own / MARK, "a+")  # noqa: SIM115 (closed below)
     except OSError as error:
         raise Unusable(reason(error)) from None
@@ -78,9 +77,11 @@ def opened(folder: Path, kind: str, probe: bool) -> Iterator[IO[str]]:
 
 
 def tried(path: Path) -> None:
-    """Write a file and remove it. Raises OSError."""
+    """Write a file and remove it. Raises Unusable if that cannot be done."""
     try:
         path.write_bytes(bytes(4096))
+    except OSError as error:
+        raise Unusable(reason(error)) from None
     finally:
         path.unlink(missing_ok=True)
 
