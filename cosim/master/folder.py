@@ -61,13 +61,13 @@ class Unusable(Exception):
 
 
 @contextmanager
-def opened(folder: Path, kind: str) -> Iterator[IO[str]]:
+def opened(folder: Path, kind: str) -> Iterator[IO[bytes]]:
     """The file that marks the folder, which is made. Raises Unusable, and UsageError as `check_owner`."""
     own = folder / OWN
     try:
         check_owner(folder, kind)
         own.mkdir(parents=True, exist_ok=True)
-        lock = open(own / MARK, "a+")  # noqa: SIM115 (closed below)
+        lock = open(own / MARK, "a+b", buffering=0)  # noqa: SIM115 (closed below)
     except OSError as error:
         raise Unusable(reason(error)) from None
     except ValueError as error:  # a NUL character
@@ -86,21 +86,20 @@ def tried(path: Path) -> None:
         path.unlink(missing_ok=True)
 
 
-def mark(lock: IO[str], kind: str) -> None:
+def mark(lock: IO[bytes], kind: str) -> None:
     """Write down the kind of results. Raises Unusable."""
-    text = json.dumps({"kind": kind}) + "\n"
+    text = json.dumps({"kind": kind}).encode() + b"\n"
     lock.seek(0)
     if lock.read() == text:
         return
     try:
         lock.truncate(0)
         lock.write(text)
-        lock.flush()
     except OSError as error:
         raise Unusable(reason(error)) from None
 
 
-def locked(lock: IO[str], path: Path) -> bool:
+def locked(lock: IO[bytes], path: Path) -> bool:
     """Lock the file that was opened at `path` for as long as the process lives; False if somebody else has it.
 
     Raises Unusable where files cannot be locked.
@@ -140,13 +139,16 @@ def kind_of(folder: Path) -> str | None:
 
 def settle(folder: Path, kind: str) -> None:
     """Finish what a killed process had staged, or remove it. Raises Unusable if that cannot be done."""
-    staged = folder / OWN / STAGED
+    own, staged = folder / OWN, folder / OWN / STAGED
     try:
         if (staged / KINDS[kind].head).exists():
             move(folder, kind)
+        shutil.rmtree(staged, ignore_errors=True)
+        for path in own.iterdir():
+            if path.name not in (MARK, ROWS, REQUEST):
+                path.unlink()
     except OSError as error:
-        raise Unusable(f"results wait in {staged}: {reason(error)}") from None
-    shutil.rmtree(staged, ignore_errors=True)
+        raise Unusable(f"{own} has what a killed process left: {reason(error)}") from None
 
 
 def leave(folder: Path, kind: str) -> None:

@@ -173,7 +173,9 @@ def move(folder: Path, kind: str) -> None:
         head.replace(former)
         synced(folder)
     if former.exists():
-        for name in read(former).get("files", KINDS[kind].files):
+        named = read(former).get("files")
+        names = named if isinstance(named, dict) else KINDS[kind].files  # former versions named none
+        for name in set(names) - set(read(staged / head.name)["files"]):
             if fits(name, kind) and (folder / name).is_file():
                 (folder / name).unlink()
     forget(folder)
@@ -194,9 +196,9 @@ def forget(folder: Path) -> None:
         (folder / OWN / name).unlink(missing_ok=True)
 
 
-def fits(name: Any, kind: str) -> bool:
+def fits(name: str, kind: str) -> bool:
     """Whether a head may name this file as one of its kind's: never a path that leads elsewhere."""
-    path = Path(name) if isinstance(name, str) else Path()
+    path = Path(name)
     return (len(path.parts) in (1, 2) and ".." not in path.parts and not path.is_absolute()
             and any(Path(path.parts[0]).match(pattern) for pattern in KINDS[kind].files))
 

@@ -1,10 +1,12 @@
 """Folders of results: one for each kind, one writer at a time, all files together or none."""
+import errno
 import hashlib
 import json
 import os
 import signal
 import subprocess
 import time
+from contextlib import contextmanager
 from itertools import permutations
 from pathlib import Path
 
@@ -272,14 +274,14 @@ def rows_of(folder: Path) -> Path:
 def test_rows_of_a_stream_outlast_a_kill(work, tmp_path, isolate):
     folder = tmp_path / "out"
     child = subprocess.Popen([AHV, "run", "case1", "--stop", "99999", "--stream", *isolate, "--out", folder],
-                             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+                             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
     try:
         deadline = time.monotonic() + 120
         while not (rows_of(folder).exists() and rows_of(folder).stat().st_size > 5e6):
             assert child.poll() is None and time.monotonic() < deadline
             time.sleep(0.02)
     finally:
-        child.kill()
+        os.killpg(child.pid, signal.SIGKILL)
         child.wait()
     with pytest.raises(UsageError, match=f"killed: `ahv recover {folder}` makes results"):
         unlocked(lambda: fly_run(folder))
@@ -363,6 +365,12 @@ def temporary(tmp_path, monkeypatch):
     return tmp_path / "tmp"
 
 
+@contextmanager
+def no_temporary():
+    raise OSError(errno.ENOSPC, "full")
+    yield
+
+
 @pytest.mark.parametrize("isolate", [False, True])
 def test_a_full_disk_keeps_signals_and_leaves_out_the_rest(work, small_disk, isolate):
     folder, resize = small_disk
@@ -387,7 +395,7 @@ def test_a_full_disk_leaves_the_former_results_and_the_new_ones_are_elsewhere(wo
 
 def test_without_room_anywhere_the_first_rows_are_kept(work, small_disk, monkeypatch):
     folder, resize = small_disk
-    monkeypatch.setattr("tempfile.tempdir", str(folder.parent / "none"))
+    monkeypatch.setattr(publishing, "temporary", no_temporary)
     resize(300)
     done = run("case1", stop=10, out=folder)
     assert done.trouble == f"{folder}: No space left on device: only the first rows could be written."
@@ -415,17 +423,20 @@ def test_a_full_disk_for_the_other_commands(work, small_disk, temporary):
     assert trouble == f"{folder}: No space left on device: only compare.json could be written."
     assert consistent(folder, "compare.json")["controllers"].keys() == summary["controllers"].keys()
     found = simulate(Path("hold.ssp"), None, 10.0, "gauss-seidel", folder.parent / "simulated")
-    assert "No space left on device: the results are in" in found[-1] and consistent(Path(found[0]["out"]))
+    assert "No space left on device: only signals.parquet and run.json could be" in found[-1]
+    assert consistent(folder.parent / "simulated")["kind"] == "simulate"
     done = subprocess.run([AHV, "ssp", "hold", "--out", folder.parent / "x.ssp"], capture_output=True, text=True)
     assert done.returncode == 2 and "cannot be written: No space left on device." in done.stderr
     assert len(done.stderr.strip().splitlines()) == 1
-    assert {path.name for path in folder.parent.iterdir()} == {"out"}
+    assert {path.name for path in folder.parent.iterdir()} == {"out", "simulated"}
 
 
 def test_a_disk_that_is_full_is_noticed_before_flying(work, small_disk):
     folder, resize = small_disk
-    (folder.parent / "filling").write_bytes(bytes(16_000_000))
-    resize(15640)
+    resize(100)
+    with pytest.raises(OSError, match="No space"), open(folder.parent / "filling", "wb", buffering=0) as file:
+        while file.write(bytes(4096)):
+            pass
     done = subprocess.run([AHV, "run", "hold", "--out", folder], capture_output=True, text=True)
     assert done.returncode == 2
     assert done.stderr == f"ahv: --out {folder} cannot be written to: No space left on device.\n"
@@ -434,7 +445,7 @@ def test_a_disk_that_is_full_is_noticed_before_flying(work, small_disk):
 def test_results_that_do_not_fit_are_no_success(work, small_disk, tmp_path):
     folder, resize = small_disk
     resize(200)
-    done = subprocess.run([AHV, "run", "hold", "--stop", "10", "--json", "--out", folder], capture_output=True,
+    done = subprocess.run([AHV, "run", "case1", "--stop", "10", "--json", "--out", folder], capture_output=True,
                           text=True, env={**os.environ, "TMPDIR": str(tmp_path)})
     assert done.returncode == 1 and len(done.stderr.strip().splitlines()) == 1
     assert json.loads(done.stdout)["out"].startswith(str(tmp_path / "ahv_kept_"))
