@@ -5,7 +5,7 @@ from typing import Annotated
 import typer
 
 from ..errors import RunError
-from .options import Algorithm, Json, Out
+from .options import Algorithm, Json, Out, Stream, TimeLimit
 from .show import note, report
 
 
@@ -14,14 +14,17 @@ def simulate(
     step: Annotated[float | None, typer.Option(help="Communication step, s; else the file's.")] = None,
     stop: Annotated[float | None, typer.Option(help="Stop time, s; else the file's.")] = None,
     algorithm: Algorithm = "gauss-seidel",
+    time_limit: TimeLimit = None,
+    stream: Stream = False,
     out: Out = None,
     as_json: Json = False,
 ) -> None:
     """Fly any system of FMI 2.0 co-simulation FMUs; write signals and run.json to results/FILE."""
     from ..ssp.simulate import simulate as fly
 
-    summary, message = fly(file, step, stop, algorithm, out)
+    summary, flight = fly(file, step, stop, algorithm, out, time_limit, stream)
     report(summary, as_json)
-    if not summary["finished"]:
-        raise RunError(message)
-    note([message] if message else [])
+    flight.check_interrupted()
+    if not flight.finished:
+        raise RunError(flight.message)
+    note([flight.message] if flight.message else [])

@@ -3,18 +3,21 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import UsageError
+from ..master.flight import Flight
+from ..master.interruptions import interruptions
 from ..master.isolated import fly_isolated
 from ..master.notes import note
 from ..master.progress import progress_bar
 from ..master.results import prepare_folder, write
-from .load import load_ssp
+from .load import LoadedSsp, load_ssp
 
 DEFAULT_STEP = 0.01  # s, as that of `ahv run`
 
 
-def simulate(path: Path, step: float | None, stop: float | None, algorithm: str,
-             out: Path | None) -> tuple[dict[str, Any], str]:
-    """Fly the system in `path`; the summary, and why it ended before its stop (empty if it did not).
+def simulate(path: Path, step: float | None, stop: float | None, algorithm: str, out: Path | None,
+             time_limit: float | None = None, stream: bool = False) -> tuple[dict[str, Any], Flight]:
+    """Fly the system in `path`; the summary and the flight. An FMU call that takes longer than `time_limit` (s) ends
+    it. `stream` writes signals.parquet as it flies.
 
     Raises UsageError for a file or numbers that do not fit, RunError if the FMUs cannot be started.
     """
@@ -32,17 +35,26 @@ def simulate(path: Path, step: float | None, stop: float | None, algorithm: str,
         folder = out or Path("results") / path.stem
         prepare_folder(folder)
         bar, progress = progress_bar(found.name, end)
-        with bar:
-            flight = fly_isolated(found, size, end, algorithm, progress)  # FMUs of unknown origin may crash
-    for component, fmu in flight.fmus.items():
-        fmu["file"] = f"{path}/{found.sources[component]}"
-    summary = {
+        with interruptions() as interrupted:  # a signal ends the flight, and then lets the writing end
+            with bar:  # FMUs of unknown origin may crash
+                flight = fly_isolated(found, size, end, algorithm, progress, time_limit,
+                                      folder / "signals.parquet" if stream else None)
+            summary = summary_of(found, flight, algorithm, size, end, folder)
+            for component, fmu in flight.fmus.items():
+                fmu["file"] = f"{path}/{found.sources[component]}"
+            write(folder, flight, summary, streamed=stream)
+        flight.interrupted = interrupted[0] if interrupted else 0
+    for warning in flight.warnings:
+        note(warning)
+    return summary, flight
+
+
+def summary_of(found: LoadedSsp, flight: Flight, algorithm: str, size: float, end: float, folder: Path
+               ) -> dict[str, Any]:
+    """What run.json says of the request and the flight."""
+    return {
         "system": found.name, "components": list(found.sources), "algorithm": algorithm, "step_s": size, "stop_s": end,
         "ticks": flight.ticks, "finished": flight.finished,
         "departed_at_s": None if flight.finished else flight.reached, "ended_at_s": flight.ended_at,
         "real_time_factor": flight.reached / flight.wall_s if flight.ticks else 0.0, "out": str(folder),
     }
-    write(folder, flight, summary)
-    for warning in flight.warnings:
-        note(warning)
-    return summary, flight.message

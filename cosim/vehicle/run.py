@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from ..master.flight import Flight
+from ..master.interruptions import interruptions
 from ..master.isolated import launch
 from ..master.progress import progress_bar
 from . import scenarios
@@ -34,7 +35,8 @@ def run(scenario: str | Scenario, controller: str = "neural", preset: Mapping[st
     go to `out`, else to results/SCENARIO. Other arguments are those of `master.flight.fly`.
 
     Raises UsageError for what cannot be flown, RunError if an FMU does not start. A flight that ends early is a
-    result: `flight.finished` is False and `flight.message` says why.
+    result: `flight.finished` is False and `flight.message` says why. After a signal there are no figures, and
+    `flight.interrupted` is its number.
     """
     from ..master.results import prepare_folder, write
 
@@ -46,13 +48,16 @@ def run(scenario: str | Scenario, controller: str = "neural", preset: Mapping[st
     end = plan.stop if stop is None else stop
     options: dict[str, Any] = {"decimate": decimate, "stream": folder / "signals.parquet"} if stream else {}
     bar, tell = progress_bar(plan.name, end)
-    with bar:
-        flight = launch(loop.system, step, end, algorithm, tell if progress else None, isolate or loop.foreign,
-                        time_limit, plain=plain, real_time=real_time, **options)
-    summary = {**said_of(plan, loop, algorithm, step, end), **shown_by(flight), "out": str(folder),
-               **({"lateness": flight.lateness} if flight.lateness else {})}
-    write(folder, flight, {**summary, "presets": presets_of(loop)}, decimate, stream)
-    draw(folder, flight, plan, loop)
+    with interruptions() as interrupted:  # a signal ends the flight, and then lets the writing end
+        with bar:
+            flight = launch(loop.system, step, end, algorithm, tell if progress else None, isolate or loop.foreign,
+                            time_limit, plain=plain, real_time=real_time, **options)
+        summary = {**said_of(plan, loop, algorithm, step, end), **shown_by(flight), "out": str(folder),
+                   **({"lateness": flight.lateness} if flight.lateness else {})}
+        write(folder, flight, {**summary, "presets": presets_of(loop)}, decimate, stream)
+    flight.interrupted = interrupted[0] if interrupted else 0
+    if not flight.interrupted:  # figures take long
+        draw(folder, flight, plan, loop)
     return Run(flight, summary, folder, [*loop.notes, *part_of_the_rows(flight, stream)])
 
 
