@@ -30,12 +30,12 @@ FULL = (errno.ENOSPC, errno.EDQUOT)
 OURS = (*FULL, errno.EACCES, errno.EPERM, errno.EROFS, errno.EIO)  # about the place, not about a name or a content
 
 
-class NoRoom(UsageError):
+class NoTemporaryFolder(UsageError):
     """The folder for temporary files is full or cannot be written to. No file that was to be unpacked is to blame."""
 
 
 class Folder:
-    """A new folder, `path`. It also works as a context manager. Raises NoRoom if it cannot be made."""
+    """A new folder, `path`. It also works as a context manager. Raises NoTemporaryFolder if it cannot be made."""
 
     def __init__(self) -> None:
         parent = place()
@@ -65,17 +65,17 @@ def unlocked(path: Path) -> Path:
 def place() -> Path:
     """Where temporary folders are made. This is TMPDIR if it is set: another folder is not taken without a word.
 
-    Raises NoRoom if the system has no such folder.
+    Raises NoTemporaryFolder if the system has no such folder.
     """
     try:
         return Path(os.path.abspath(tempfile.tempdir or os.environ.get("TMPDIR") or tempfile.gettempdir()))
     except FileNotFoundError as error:
-        raise NoRoom(f"There is no folder for temporary files: {error.strerror}. Name one with TMPDIR.") from None
+        raise NoTemporaryFolder(f"There is no folder for temporary files: {error.strerror}. Name one with TMPDIR.") from None
 
 
 @contextlib.contextmanager
 def troubles(folder: Path) -> Iterator[None]:
-    """Around what writes below `folder`: raises NoRoom where an OSError says that the place does not let us."""
+    """Around what writes below `folder`: raises NoTemporaryFolder where an OSError says that the place does not let us."""
     try:
         yield
     except OSError as error:
@@ -84,10 +84,10 @@ def troubles(folder: Path) -> Iterator[None]:
         raise trouble(error, folder) from None
 
 
-def trouble(error: OSError, folder: Path) -> NoRoom:
+def trouble(error: OSError, folder: Path) -> NoTemporaryFolder:
     """What to raise instead of an `error` in writing below `folder`."""
-    name = next((path.parent for path in (folder, *folder.parents) if NAME.fullmatch(path.name)), folder)
-    return NoRoom(f"TMPDIR {name} {'is full' if error.errno in FULL else f'cannot be written to: {error.strerror}'}.")
+    name = next((path.parent for path in (*reversed(folder.parents), folder) if NAME.fullmatch(path.name)), folder)
+    return NoTemporaryFolder(f"TMPDIR {name} {'is full' if error.errno in FULL else f'cannot be written to: {error.strerror}'}.")
 
 
 def remove(path: Path, lock: list[int], owner: int) -> None:

@@ -27,7 +27,7 @@ from .recording import CHUNK_ROWS, Recorder
 from .system import System
 from .wiring import Signal
 
-GRACE_S = 0.5  # for a flight that was asked to end
+GRACE_S = 0.3  # for a flight that was asked to end
 INTERRUPTED = "was interrupted in"
 
 

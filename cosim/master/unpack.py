@@ -119,7 +119,7 @@ def refuse_large_claims(members: list[zipfile.ZipInfo], max_total_bytes: int) ->
 def unpack(file: zipfile.ZipFile, member: zipfile.ZipInfo, folder: Path, budget: int, allowed: int) -> int:
     """Write one member below `folder`; the number of bytes it really had.
 
-    Raises BadArchive if it is damaged, or has more than `budget` bytes; NoRoom if `folder` does not take it.
+    Raises BadArchive if it is damaged, or has more than `budget` bytes; NoTemporaryFolder if `folder` does not take it.
     """
     target = folder / member.filename
     try:
