@@ -70,12 +70,13 @@ def place() -> Path:
     try:
         return Path(os.path.abspath(tempfile.tempdir or os.environ.get("TMPDIR") or tempfile.gettempdir()))
     except FileNotFoundError as error:
-        raise NoTemporaryFolder(f"There is no folder for temporary files: {error.strerror}. Name one with TMPDIR.") from None
+        sentence = f"There is no folder for temporary files: {error.strerror}. Name one with TMPDIR."
+        raise NoTemporaryFolder(sentence) from None
 
 
 @contextlib.contextmanager
 def troubles(folder: Path) -> Iterator[None]:
-    """Around what writes below `folder`: raises NoTemporaryFolder where an OSError says that the place does not let us."""
+    """Around what writes below `folder`: raises NoTemporaryFolder where an OSError says that this place refuses."""
     try:
         yield
     except OSError as error:
@@ -87,7 +88,8 @@ def troubles(folder: Path) -> Iterator[None]:
 def trouble(error: OSError, folder: Path) -> NoTemporaryFolder:
     """What to raise instead of an `error` in writing below `folder`."""
     name = next((path.parent for path in (*reversed(folder.parents), folder) if NAME.fullmatch(path.name)), folder)
-    return NoTemporaryFolder(f"TMPDIR {name} {'is full' if error.errno in FULL else f'cannot be written to: {error.strerror}'}.")
+    what = "is full" if error.errno in FULL else f"cannot be written to: {error.strerror}"
+    return NoTemporaryFolder(f"TMPDIR {name} {what}.")
 
 
 def remove(path: Path, lock: list[int], owner: int) -> None:

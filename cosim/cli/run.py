@@ -3,7 +3,6 @@ from typing import Annotated
 
 import typer
 
-from ..errors import RunError
 from ..vehicle.closed_loop import assignments, chosen_presets
 from .options import (
     Algorithm,
@@ -21,7 +20,7 @@ from .options import (
     TimeLimit,
     Uncertainty,
 )
-from .show import note, report
+from .show import conclude, note, report
 
 
 def run(
@@ -44,7 +43,7 @@ def run(
     out: Out = None,
     as_json: Json = False,
 ) -> None:
-    """Fly a scenario and write signals, run.json and figures to results/SCENARIO."""
+    """Fly a scenario and write signals, run.json and figures to results/run/SCENARIO."""
     from ..master.guard import POSSIBLE
     from ..vehicle.run import run as fly
 
@@ -52,7 +51,4 @@ def run(
                uncertainty, decimate, stream, isolate or POSSIBLE, time_limit, plain, real_time, out, progress=True)
     note([*done.notes, *done.flight.warnings])
     report(done.summary, as_json)
-    done.flight.check_interrupted()
-    if not done.flight.finished:
-        raise RunError(done.flight.message)
-    note([done.flight.message] if done.flight.message else [])
+    conclude(done.flight.finished, [done.flight.message], done.trouble, done.flight.interrupted)

@@ -4,9 +4,8 @@ from typing import Annotated
 
 import typer
 
-from ..errors import RunError
 from .options import Algorithm, Json, Out, Stream, TimeLimit
-from .show import note, report
+from .show import conclude, report
 
 
 def simulate(
@@ -19,12 +18,9 @@ def simulate(
     out: Out = None,
     as_json: Json = False,
 ) -> None:
-    """Fly any system of FMI 2.0 co-simulation FMUs; write signals and run.json to results/FILE."""
+    """Fly any system of FMI 2.0 co-simulation FMUs; write signals and run.json to results/simulate/FILE."""
     from ..ssp.simulate import simulate as fly
 
-    summary, flight = fly(file, step, stop, algorithm, out, time_limit, stream)
+    summary, flight, trouble = fly(file, step, stop, algorithm, out, time_limit, stream)
     report(summary, as_json)
-    flight.check_interrupted()
-    if not flight.finished:
-        raise RunError(flight.message)
-    note([flight.message] if flight.message else [])
+    conclude(flight.finished, [flight.message], trouble, flight.interrupted)

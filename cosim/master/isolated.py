@@ -19,16 +19,15 @@ from ..errors import Interrupted, RunError, UsageError
 from ..temporary import Folder
 from . import last_call
 from . import program as P
-from .flight import Flight, MakeRecorder, fly, make_recorder, row_count
+from .flight import Flight, MakeRecorder, fly, known_of, make_recorder, row_count, take_rows
 from .guard import LOOK_S, Guarded
 from .interruptions import interruptions
 from .progress import Progress
-from .recording import CHUNK_ROWS, Recorder
+from .recording import CHUNK_ROWS, NoRoom, Recorder
 from .system import System
 from .wiring import Signal
 
 GRACE_S = 0.3  # for a flight that was asked to end
-INTERRUPTED = "was interrupted in"
 
 
 class Sender(Recorder):
@@ -122,20 +121,23 @@ class Parent:
                 self.guarded.ask()
                 asked = time.monotonic()
             if asked is not None and not how and time.monotonic() - asked > GRACE_S:
-                how = INTERRUPTED
+                how = "was interrupted in"
                 self.guarded.end()
             try:
-                if self.end.poll(LOOK_S):
-                    result = self.take(self.end.recv())
-                    if result is not None:
-                        result.interrupted = self.signal
-                        return result
-                    seen, since = self.position(), time.monotonic()
-                    continue
+                item = self.end.recv() if self.end.poll(LOOK_S) else None
             except (EOFError, OSError):  # OSError: in the middle of a message
                 return self.broken(how or f"{cause_of_death(self.guarded.end())} in")
+            if item:
+                try:
+                    result = self.take(item)
+                except NoRoom as error:
+                    self.guarded.end()
+                    return self.ended(str(error))
+                if result is not None:
+                    result.interrupted = self.signal
+                    return result
             now = self.position()
-            if now != seen or self.place.stage[0] == last_call.OUTSIDE:
+            if item or now != seen or self.place.stage[0] == last_call.OUTSIDE:
                 seen, since = now, time.monotonic()
             elif not how and self.limit is not None and time.monotonic() - since > self.limit:
                 how = f"did not come back within {self.limit:g} s from"
@@ -158,6 +160,7 @@ class Parent:
         elif kind == "head":
             self.head, self.calls = rest
             self.recorder = self.make(self.head.columns)
+            self.recorder.about(known_of(self.head))
         elif kind == "rows":
             assert self.recorder is not None
             self.recorder.keep(*rest)
@@ -169,29 +172,34 @@ class Parent:
         elif kind == "end":
             assert self.recorder is not None
             flight: Flight = rest[0]
-            flight.time, flight.signals = self.recorder.finish()
+            take_rows(flight, self.recorder)
             return flight
         return None
 
     def broken(self, how: str) -> Flight:
-        """The flight as far as it came, of a process that is gone; `how` is the verb of the message.
-
-        Raises RunError if the process ended before the first tick, Interrupted if a signal is why.
-        """
+        """The flight as far as it came, of a process that is gone; `how` is the verb of the message. See `ended`."""
         message = self.place.read(last_call.LOGGED)
-        sentence = f"{self.told(how)}{f'; it had said: {message}' if message else ''}"
+        return self.ended(f"{self.told(how)}{f'; it had said: {message}' if message else ''}")
+
+    def ended(self, sentence: str) -> Flight:
+        """The flight as far as it came, of a process that is gone; `sentence` says why.
+
+        Raises RunError with it if the process ended before the first tick, Interrupted if there was a signal.
+        """
         if self.head is None or self.recorder is None:
-            raise Interrupted(sentence, self.signal) if how == INTERRUPTED else RunError(sentence)
+            raise Interrupted(sentence, self.signal) if self.interrupted else RunError(sentence)
         tick, _, used, _, _, _, steps = self.place.cursor.tolist()
         columns = self.head.columns
         if used and (len(columns) + 1) * (CHUNK_ROWS + 1) <= len(self.place.doubles):
             rows = self.place.doubles[CHUNK_ROWS + 1:][:used * len(columns)].reshape(-1, len(columns))
             times = self.place.doubles[:used]
             fresh = times > self.until  # the process may have ended after it sent them
-            if fresh.any():
-                self.recorder.keep(times[fresh], rows[fresh])
+            try:
+                if fresh.any():
+                    self.recorder.keep(times[fresh], rows[fresh])
+            except NoRoom as error:
+                sentence = f"{sentence.rstrip('.')}; {error}"
         flight = self.head
-        flight.time, flight.signals = self.recorder.finish()
         if self.flown:  # what follows is the end of its FMUs
             sentence = f"{flight.message.rstrip('.')}; then {sentence}" if flight.message else sentence
         else:
@@ -199,6 +207,7 @@ class Parent:
             flight.ticks, flight.wall_s = tick if steps < 0 else steps, time.perf_counter() - self.begun
             flight.reached = start + tick * step
         flight.finished, flight.message, flight.interrupted = False, sentence, self.signal
+        take_rows(flight, self.recorder)
         return flight
 
     def told(self, how: str) -> str:

@@ -109,7 +109,7 @@ def interrupted_at(moment: float, number: int, words, folder: Path) -> None:
     time.sleep(moment)
     gone = command.process.poll() is not None
     status, said = command.end(number)
-    assert status in ENDS[number] or gone and status in (0, 1), (status, said)
+    assert status in ENDS[number] or (gone and status in (0, 1)), (status, said)
     assert "Traceback" not in said or status == -number, said
     assert command.alive() == []
     if number != signal.SIGKILL:
