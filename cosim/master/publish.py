@@ -15,17 +15,16 @@ import json
 import shutil
 import signal
 import tempfile
-import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from .interruptions import HELD, interruptions
 from .whole_file import reason, synced
 
 OWN, STAGED, ROWS, REQUEST = ".ahv", "staged", "rows.arrows", "request.json"
-ASKING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 Fill = Callable[[Path], None]  # writes files into a folder
 
 
@@ -214,16 +213,10 @@ def read(path: Path) -> dict[str, Any]:
 
 @contextmanager
 def held() -> Iterator[list[int]]:
-    """Signals that ask for an end wait until the end of the context; meanwhile they are entries of a list."""
-    caught: list[int] = []
-    if threading.current_thread() is not threading.main_thread():
+    """Signals that ask for an end wait until the end of the outermost context, and do then what they would have done;
+    meanwhile they are entries of a list."""
+    within = bool(HELD)
+    with interruptions() as caught:
         yield caught
-        return
-    before = {s: signal.signal(s, lambda number, _: caught.append(number)) for s in ASKING}
-    try:
-        yield caught
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
-        if caught:
-            signal.raise_signal(caught[0])
+    if caught and not within:
+        signal.raise_signal(caught[0])

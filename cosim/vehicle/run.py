@@ -1,17 +1,17 @@
 """One flight of a scenario, from words to a folder of results: what `ahv run` does."""
 from collections.abc import Mapping
-from contextlib import nullcontext
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ..errors import UsageError
 from ..master.flight import Flight
-from ..master.folder import claimed, expanded
+from ..master.folder import claimed
+from ..master.interruptions import interruptions
 from ..master.isolated import launch
 from ..master.progress import progress_bar
-from ..master.publish import OWN, ROWS, forget
-from ..master.recover import asked, recovered
+from ..master.recover import asked
+from ..master.recover import recover as recover_rows
 from . import scenarios
 from .closed_loop import ClosedLoop, Values, closed_loop
 from .metrics import metrics
@@ -40,12 +40,16 @@ def run(scenario: str | Scenario, controller: str = "neural", preset: Mapping[st
     go to `out`, else to results/run/SCENARIO. Other arguments are those of `master.flight.fly`.
 
     Raises UsageError for what cannot be flown, RunError if an FMU does not start. A flight that ends early is a
-    result: `flight.finished` is False and `flight.message` says why.
+    result: `flight.finished` is False and `flight.message` says why. After a signal there are no figures and
+    no CSV, and `flight.interrupted` is its number.
     """
     plan = scenarios.load(scenario) if isinstance(scenario, str) else scenario
     presets = {"controller": preset} if isinstance(preset, str) else dict(preset or {})
     loop = closed_loop(plan, controller, plant, flavour, presets, values, uncertainty)
-    with claimed(out, "run", plan.name) as folder:
+    # A signal lets the writing end; rows of a stream are on the disk already.
+    holding: AbstractContextManager[list[int]] = nullcontext([]) if stream else interruptions()
+    with (claimed(out, "run", plan.name) as folder,
+          holding as interrupted):
         end = plan.stop if stop is None else stop
         said = said_of(plan, loop, algorithm, step, end)
         rows = asked(folder, said) if stream else None
@@ -55,24 +59,19 @@ def run(scenario: str | Scenario, controller: str = "neural", preset: Mapping[st
             flight = launch(loop.system, step, end, algorithm, tell if progress else None, isolate or loop.foreign,
                             time_limit, plain=plain, real_time=real_time, **options)
         notes = [*loop.notes, *part_of_the_rows(flight, stream)]
-        return kept(folder, flight, said, notes, decimate, rows)
+        done = kept(folder, flight, said, notes, decimate, rows)
+    flight.interrupted = interrupted[0] if interrupted else flight.interrupted
+    return done
 
 
 def recover(left: Path, out: Path | None = None) -> Run:
     """Make results, in `out` or there, of the rows that a killed run with --stream left in the folder `left`.
 
-    Its figures of merit are computed from a part of the rows, as those of every streamed run. Raises UsageError if
-    there are no such rows, RunError if none is complete or there is no room.
+    Its figures of merit are computed from a part of the rows, as those of every streamed run. Raises what
+    `master.recover.recover` raises.
     """
-    if not (left := expanded(left)).is_dir():
-        raise UsageError(f"There is no folder {left}.")
-    with claimed(left, "run", "", recover=True), claimed(out, "run", "") if out else nullcontext(left) as folder:
-        if (found := recovered(left)) is None:
-            raise UsageError(f"{left} has no rows of a flight that was killed.")
-        flight, said = found
-        done = kept(folder, flight, said, part_of_the_rows(flight, True), rows=left / OWN / ROWS)
-        forget(left)
-        return done
+    return recover_rows(left, out, "run", lambda folder, flight, said, rows: kept(
+        folder, flight, said, part_of_the_rows(flight, True), rows=rows))
 
 
 def kept(folder: Path, flight: Flight, said: dict[str, Any], notes: list[str], decimate: int = 1,
