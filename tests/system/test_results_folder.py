@@ -410,6 +410,7 @@ def test_a_full_disk_ends_a_stream_and_its_rows_are_recovered(work, small_disk, 
     done = run("case1", stop=100, out=folder, isolate=isolate, stream=True)
     assert not done.flight.finished and "No space left on device; rows from t = " in done.flight.message
     assert done.trouble.endswith(f"make room or choose another folder with --out, then `ahv recover {folder}`.")
+    assert recover(folder).trouble == done.trouble  # there is still no room, and nothing is lost by that
     resize(16000)
     kept = recover(folder)
     assert not kept.trouble and 1024 <= pyarrow.parquet.read_table(folder / "signals.parquet").num_rows < 10001
