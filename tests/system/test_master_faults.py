@@ -75,6 +75,12 @@ def test_isolated_is_the_same_flight(tmp_path):
     assert here.signals.tobytes() == there.signals.tobytes() and here.parameters == there.parameters
 
 
+def test_progress_of_an_isolated_flight_is_told_the_time(tmp_path):
+    told = []
+    fly_isolated(small.pair(small.build(tmp_path)), 0.01, 1.0, "jacobi", told.append)
+    assert told == sorted(told) and told[-1] == pytest.approx(1.0)
+
+
 def isolated_long(system, folder):
     return fly_isolated(system, 0.001, 10.0, "gauss-seidel")
 
