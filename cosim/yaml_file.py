@@ -7,6 +7,7 @@
 """
 from collections.abc import Iterator
 from contextlib import contextmanager
+from os.path import isfile  # unlike Path.is_file, false for a name that no file can have
 from pathlib import Path
 from typing import Any, NoReturn, TypeVar
 
@@ -17,27 +18,57 @@ from .errors import UsageError, nearest
 
 Place = tuple[str | int, ...]  # keys and indices from the top
 Model = TypeVar("Model", bound=BaseModel)
+MOST_BYTES, MOST_VALUES, DEEPEST = 1_000_000, 100_000, 50
+# What PyYAML raises for what it does not like; it checks the values of explicit tags, as in `!!int x`, by trying them.
+NOT_YAML = (yaml.YAMLError, ValueError, LookupError, AttributeError, TypeError, ArithmeticError)
 
 
 class Located(UsageError):
     """A UsageError whose message has file and line already."""
 
 
+class Loader(yaml.SafeLoader):
+    """PyYAML's safe loader with limits: what a few lines of aliases stand for counts as if it were written out."""
+
+    def __init__(self, text: str):
+        super().__init__(text)
+        self.depth = self.count = 0
+        self.sizes: dict[int, int] = {}  # of each node that is complete: the values in it
+
+    def compose_node(self, parent: Any, index: Any) -> Any:
+        """A node and all below it. Raises MarkedYAMLError beyond a limit, and for an anchor inside itself."""
+        mark, alias, before = self.peek_event().start_mark, self.check_event(yaml.AliasEvent), self.count
+        self.depth += 1
+        if self.depth > DEEPEST:
+            raise yaml.MarkedYAMLError(None, None, f"it is nested more than {DEEPEST} levels deep", mark)
+        node = super().compose_node(parent, index)
+        self.depth -= 1
+        if alias and id(node) not in self.sizes:
+            raise yaml.MarkedYAMLError(None, None, "it contains itself", mark)
+        self.count += self.sizes[id(node)] if alias else 1
+        self.sizes.setdefault(id(node), self.count - before)
+        if self.count > MOST_VALUES:
+            raise yaml.MarkedYAMLError(None, None, f"there are more than {MOST_VALUES} values, those of aliases "
+                                                   "included", mark)
+        return node
+
+
 class Source:
     """The YAML file at `path`, which messages call `what`.
 
-    Raises UsageError if there is none, if it is not YAML, or if a key is given twice.
+    Raises UsageError if there is none, if it is not YAML or too large, or if a key is given twice.
     """
 
     def __init__(self, path: Path, what: str = "file"):
         self.path = path
-        if not path.is_file():
+        if not isfile(path):
             raise UsageError(f"There is no {what} {path}.")
         try:
-            text = path.read_text()
-            self.root = yaml.compose(text, Loader=yaml.SafeLoader)
-            self.check_keys(self.root)
-            self.data = yaml.safe_load(text)
+            with path.open("rb") as file:
+                content = file.read(MOST_BYTES + 1)
+            if len(content) > MOST_BYTES:
+                raise UsageError(f"{path} is too large: a {what} has at most {MOST_BYTES // 1000} kB.")
+            self.read(content.decode("utf-8-sig"))
         except UnicodeDecodeError:
             raise UsageError(f"{path} is not text.") from None
         except OSError as error:
@@ -45,13 +76,21 @@ class Source:
         except yaml.MarkedYAMLError as error:
             line = error.problem_mark.line + 1 if error.problem_mark else 1
             raise UsageError(f"{path}, line {line}: this is not YAML: {error.problem}.") from None
-        except (yaml.YAMLError, RecursionError, ValueError) as error:
+        except NOT_YAML as error:
             raise UsageError(f"{path} is not YAML: {' '.join(str(error).split())}") from None
 
-    def check_keys(self, node: Any, place: Place = (), above: tuple[int, ...] = ()) -> None:
-        """Raises UsageError for a key given twice, which YAML lets win silently, and for an anchor inside itself."""
-        if id(node) in above:
-            self.fail(place, "it contains itself")
+    def read(self, text: str) -> None:
+        """Take the document `text`. Raises UsageError for a key given twice, and what PyYAML raises."""
+        loader = Loader(text)
+        try:
+            self.root = loader.get_single_node()
+            self.check_keys(self.root)
+            self.data = None if self.root is None else loader.construct_document(self.root)
+        finally:
+            loader.dispose()
+
+    def check_keys(self, node: Any, place: Place = ()) -> None:
+        """Raises UsageError for a key given twice, which YAML lets win silently."""
         if isinstance(node, yaml.MappingNode):
             seen: set[str] = set()
             for key, child in node.value:
@@ -61,10 +100,10 @@ class Source:
                     raise UsageError(f"{self.path}, line {key.start_mark.line + 1}: "
                                      f"{'.'.join(map(str, (*place, key.value)))} is given twice.")
                 seen.add(key.value)
-                self.check_keys(child, (*place, key.value), (*above, id(node)))
+                self.check_keys(child, (*place, key.value))
         elif isinstance(node, yaml.SequenceNode):
             for i, child in enumerate(node.value):
-                self.check_keys(child, (*place, i), (*above, id(node)))
+                self.check_keys(child, (*place, i))
 
     def find(self, place: Place) -> tuple[int, Place]:
         """(line, keys) of `place`, or of as much of it as is in the file."""

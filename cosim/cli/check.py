@@ -1,5 +1,6 @@
 """`ahv check`."""
 import json
+from os.path import isfile
 from pathlib import Path
 from typing import Annotated
 
@@ -24,7 +25,7 @@ def check(
     from ..conformance.confined import Limits
     from ..conformance.report import findings_table, not_tested_table, to_dict
 
-    missing = [str(path) for path in fmus if not path.is_file()]
+    missing = [str(path) for path in fmus if not isfile(path)]
     if missing:
         raise UsageError(f"There is no file {', '.join(missing)}.")
     limits = Limits(call_s=time_limit, total_s=total_time_limit, memory_mb=memory_limit, file_mb=file_limit,

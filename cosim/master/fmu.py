@@ -4,6 +4,7 @@ import math
 import shutil
 import tempfile
 from dataclasses import dataclass, field
+from os.path import isfile
 from pathlib import Path, PurePosixPath
 
 from ..errors import UsageError, did_you_mean
@@ -22,7 +23,7 @@ WHOLES = -2 ** 31, 2 ** 31 - 1  # what an fmi2Integer can be
 
 def existing(path: Path) -> Path:
     """`path` itself. Raises UsageError if there is no such file."""
-    if not path.is_file():
+    if not isfile(path):
         raise UsageError(f"There is no FMU at {path}; `ahv build` writes the FMUs of this project.")
     return path
 

@@ -8,6 +8,7 @@ Section 2.3 (FMU Distribution) says what an FMU's archive looks like.
 import stat
 import zipfile
 import zlib
+from os.path import isfile
 from pathlib import Path, PureWindowsPath
 from typing import IO
 
@@ -66,7 +67,7 @@ def read_member(archive: Path, name: str, most: int = MAX_MEMBER_BYTES) -> bytes
 
 def open_archive(archive: Path) -> zipfile.ZipFile:
     """The archive opened for reading. Raises BadArchive if it is missing or no zip file."""
-    if not archive.is_file():
+    if not isfile(archive):
         raise BadArchive("archive.readable", f"there is no file '{archive}'")
     try:
         return zipfile.ZipFile(archive)
