@@ -47,6 +47,8 @@ class Loader(yaml.SafeLoader):
             raise yaml.MarkedYAMLError(None, None, "it contains itself", mark)
         self.count += self.sizes[id(node)] if alias else 1
         self.sizes.setdefault(id(node), self.count - before)
+        if isinstance(node, yaml.ScalarNode) and any("\ud800" <= c <= "\udfff" for c in node.value):
+            raise yaml.MarkedYAMLError(None, None, "half of a pair of code units (\\ud800 to \\udfff) is no text", mark)
         if self.count > MOST_VALUES:
             raise yaml.MarkedYAMLError(None, None, f"there are more than {MOST_VALUES} values, those of aliases "
                                                    "included", mark)
@@ -77,7 +79,8 @@ class Source:
             line = error.problem_mark.line + 1 if error.problem_mark else 1
             raise UsageError(f"{path}, line {line}: this is not YAML: {error.problem}.") from None
         except NOT_YAML as error:
-            raise UsageError(f"{path} is not YAML: {' '.join(str(error).split())}") from None
+            reason = "" if isinstance(error, yaml.YAMLError) else "a value does not fit its type: "
+            raise UsageError(f"{path} is not YAML: {reason}{' '.join(str(error).split())}.") from None
 
     def read(self, text: str) -> None:
         """Take the document `text`. Raises UsageError for a key given twice, and what PyYAML raises."""

@@ -9,6 +9,7 @@ from ..master.isolated import launch
 from ..master.progress import progress_bar
 from . import scenarios
 from .closed_loop import ClosedLoop, Values, closed_loop
+from .limits import explained
 from .metrics import metrics
 from .scenarios import Scenario
 
@@ -47,8 +48,8 @@ def run(scenario: str | Scenario, controller: str = "neural", preset: Mapping[st
     options: dict[str, Any] = {"decimate": decimate, "stream": folder / "signals.parquet"} if stream else {}
     bar, tell = progress_bar(plan.name, end)
     with bar:
-        flight = launch(loop.system, step, end, algorithm, tell if progress else None, isolate or loop.foreign,
-                        time_limit, plain=plain, real_time=real_time, **options)
+        flight = explained(launch(loop.system, step, end, algorithm, tell if progress else None,
+                                  isolate or loop.foreign, time_limit, plain=plain, real_time=real_time, **options))
     summary = {**said_of(plan, loop, algorithm, step, end), **shown_by(flight), "out": str(folder),
                **({"lateness": flight.lateness} if flight.lateness else {})}
     write(folder, flight, {**summary, "presets": presets_of(loop)}, decimate, stream)
