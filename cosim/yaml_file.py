@@ -19,8 +19,8 @@ from .errors import UsageError, nearest
 Place = tuple[str | int, ...]  # keys and indices from the top
 Model = TypeVar("Model", bound=BaseModel)
 MOST_BYTES, MOST_VALUES, DEEPEST = 1_000_000, 100_000, 50
-# What PyYAML raises for what it does not like; it checks the values of explicit tags, as in `!!int x`, by trying them.
-NOT_YAML = (yaml.YAMLError, ValueError, LookupError, AttributeError, TypeError, ArithmeticError)
+# What PyYAML raises where a value does not fit its type, as in `!!int x`: it tries.
+NO_VALUE = (ValueError, LookupError, AttributeError, TypeError, ArithmeticError)
 
 
 class Located(UsageError):
@@ -36,17 +36,18 @@ class Loader(yaml.SafeLoader):
         self.sizes: dict[int, int] = {}  # of each node that is complete: the values in it
 
     def compose_node(self, parent: Any, index: Any) -> Any:
-        """A node and all below it. Raises MarkedYAMLError beyond a limit, and for an anchor inside itself."""
+        """A node and all below it. Raises MarkedYAMLError beyond a limit."""
         mark, alias, before = self.peek_event().start_mark, self.check_event(yaml.AliasEvent), self.count
         self.depth += 1
         if self.depth > DEEPEST:
             raise yaml.MarkedYAMLError(None, None, f"it is nested more than {DEEPEST} levels deep", mark)
         node = super().compose_node(parent, index)
         self.depth -= 1
-        if alias and id(node) not in self.sizes:
-            raise yaml.MarkedYAMLError(None, None, "it contains itself", mark)
-        self.count += self.sizes[id(node)] if alias else 1
-        self.sizes.setdefault(id(node), self.count - before)
+        self.count += self.sizes.get(id(node), 1) if alias else 1  # none yet: an alias within what it stands for
+        if not alias:
+            self.sizes[id(node)] = self.count - before
+        if isinstance(node, yaml.ScalarNode) and any("\ud800" <= c <= "\udfff" for c in node.value):
+            raise yaml.MarkedYAMLError(None, None, "half of a pair of code units (\\ud800 to \\udfff) is no text", mark)
         if self.count > MOST_VALUES:
             raise yaml.MarkedYAMLError(None, None, f"there are more than {MOST_VALUES} values, those of aliases "
                                                    "included", mark)
@@ -76,7 +77,7 @@ class Source:
         except yaml.MarkedYAMLError as error:
             line = error.problem_mark.line + 1 if error.problem_mark else 1
             raise UsageError(f"{path}, line {line}: this is not YAML: {error.problem}.") from None
-        except NOT_YAML as error:
+        except yaml.YAMLError as error:
             raise UsageError(f"{path} is not YAML: {' '.join(str(error).split())}") from None
 
     def read(self, text: str) -> None:
@@ -85,12 +86,21 @@ class Source:
         try:
             self.root = loader.get_single_node()
             self.check_keys(self.root)
-            self.data = None if self.root is None else loader.construct_document(self.root)
+            self.data = self.values(loader)
         finally:
             loader.dispose()
 
-    def check_keys(self, node: Any, place: Place = ()) -> None:
-        """Raises UsageError for a key given twice, which YAML lets win silently."""
+    def values(self, loader: Loader) -> Any:
+        """The document as plain data. Raises UsageError for a value that does not fit its type."""
+        try:
+            return None if self.root is None else loader.construct_document(self.root)
+        except NO_VALUE as error:
+            raise UsageError(f"{self.path}: a value does not fit its type: {' '.join(str(error).split())}.") from None
+
+    def check_keys(self, node: Any, place: Place = (), above: tuple[int, ...] = ()) -> None:
+        """Raises UsageError for a key given twice, which YAML lets win silently, and for an anchor inside itself."""
+        if id(node) in above:
+            self.fail(place, "it contains itself")
         if isinstance(node, yaml.MappingNode):
             seen: set[str] = set()
             for key, child in node.value:
@@ -100,10 +110,10 @@ class Source:
                     raise UsageError(f"{self.path}, line {key.start_mark.line + 1}: "
                                      f"{'.'.join(map(str, (*place, key.value)))} is given twice.")
                 seen.add(key.value)
-                self.check_keys(child, (*place, key.value))
+                self.check_keys(child, (*place, key.value), (*above, id(node)))
         elif isinstance(node, yaml.SequenceNode):
             for i, child in enumerate(node.value):
-                self.check_keys(child, (*place, i))
+                self.check_keys(child, (*place, i), (*above, id(node)))
 
     def find(self, place: Place) -> tuple[int, Place]:
         """(line, keys) of `place`, or of as much of it as is in the file."""

@@ -9,7 +9,7 @@ from pythonfmu.fmi2slave import Fmi2Slave
 
 from . import floats
 from .interface import GIVEN, internal_steps, names, variables
-from .refusal import Refused, out_of_range, refusing
+from .refusal import Refused, out_of_range, refusing, unwired
 
 MOST_INTERNAL_STEPS = 1e7
 
@@ -184,8 +184,10 @@ class ModelSlave(Fmi2Slave):  # type: ignore[misc]
 
         Raises Refused where the model cannot have them.
         """
+        reasons = (unwired(v, getattr(self.u, v.name)) for v in self.inputs.values() if v.type == "Real")
+        reason = next(filter(None, reasons), None)
         try:
-            reason = self.accept(self.model.start(floats, self.u, self.p), self.time)
+            reason = reason or self.accept(self.model.start(floats, self.u, self.p), self.time)
         except (ArithmeticError, ValueError) as error:
             reason = f"the state cannot be computed ({error})"
         if reason:

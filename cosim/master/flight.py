@@ -24,6 +24,7 @@ from .series import Series
 from .system import System
 from .wiring import Signal
 
+MOST_TICKS = 1e12  # 11 days at a microsecond each
 CHUNK_S = 0.1  # wall time between two looks at the world
 MakeRecorder = Callable[[list[Signal]], Recorder]
 
@@ -55,6 +56,7 @@ class Flight:
     lateness: dict[str, float] | None = None   # of a paced run
     ended_at: float | None = None    # s, where an FMU ended the simulation, which counts as finished
     periods: dict[str, float] = field(default_factory=dict)   # s, of the components that do not step in every tick
+    remarks: list[str] = field(default_factory=list)   # sentences of whoever had it flown, for `warnings`
 
     @cached_property
     def places(self) -> dict[str, int]:
@@ -130,14 +132,15 @@ class Flight:
 
     @property
     def warnings(self) -> list[str]:
-        """What a reader should know of the numbers: the signals that are not finite, in one sentence."""
+        """What a reader should know of the numbers: remarks, and the signals that are not finite, in one sentence."""
         strange = ~np.isfinite(self.signals)
         found = np.flatnonzero(strange.any(axis=0)).tolist()
         if not found:
-            return []
+            return self.remarks
         first, names = int(strange.any(axis=1).argmax()), [self.columns[i].name for i in found]
         more = f" and {len(names) - 5} more signals" if len(names) > 5 else ""
-        return [f"{', '.join(names[:5])}{more} {'is' if len(names) == 1 else 'are'} nan or infinite, first at "
+        return [*self.remarks,
+                f"{', '.join(names[:5])}{more} {'is' if len(names) == 1 else 'are'} nan or infinite, first at "
                 f"t = {self.time[first]:.6g} s: figures made of them tell nothing."]
 
     @property
@@ -165,6 +168,8 @@ def tick_count(step: float, stop: float) -> int:
     """Whole number of communication steps to `stop`; UsageError if it is none, or not sensible."""
     if not (0 < step < float("inf") and 0 < stop < float("inf")):
         raise UsageError(f"--step {step:g} and --stop {stop:g} must be positive numbers of seconds.")
+    if not stop / step <= MOST_TICKS:
+        raise UsageError(f"--stop {stop:g} s is more than {MOST_TICKS:g} communication steps of {step:g} s.")
     count = round(stop / step)
     if count < 1 or abs(count * step - stop) > 1e-6 * step:
         raise UsageError(f"--stop {stop:g} s is not a whole number of communication steps of {step:g} s.")

@@ -12,6 +12,7 @@ from ..master.progress import progress_bar
 from ..master.recover import asked, recovered
 from . import scenarios
 from .closed_loop import ClosedLoop, Values, closed_loop
+from .limits import explained
 from .metrics import metrics
 from .scenarios import Scenario
 
@@ -51,8 +52,8 @@ def run(scenario: str | Scenario, controller: str = "neural", preset: Mapping[st
             options = {"decimate": decimate, "stream": asked(folder, said)}
         bar, tell = progress_bar(plan.name, end)
         with bar:
-            flight = launch(loop.system, step, end, algorithm, tell if progress else None, isolate or loop.foreign,
-                            time_limit, plain=plain, real_time=real_time, **options)
+            flight = explained(launch(loop.system, step, end, algorithm, tell if progress else None,
+                                      isolate or loop.foreign, time_limit, plain=plain, real_time=real_time, **options))
         notes = [*loop.notes, *part_of_the_rows(flight, stream)]
         return kept(folder, flight, said, notes, decimate, stream)
 

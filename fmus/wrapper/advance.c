@@ -51,6 +51,9 @@ static fmi2Status initialise(Instance *instance)
     double *x = instance->next_x[0], *y = instance->next_y;
     if (!s->stale)
         return fmi2OK;
+    for (int i = 0; i < NU; i++)
+        if (unwired(reason, &TABLE[INPUTS[i]], s->u[i]))
+            return refuse(instance, fmi2Error, MODEL_NAME " cannot start: %s", reason);
     model_start((const double *[]){s->u, s->p}, (double *[]){x});
     model_outputs((const double *[]){&s->time, x, s->u, s->p}, (double *[]){y});
     if (not_acceptable(reason, x, y))
