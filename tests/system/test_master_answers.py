@@ -393,6 +393,15 @@ def test_both_loops_count_their_calls_alike(fmu):
     assert counts[0] == counts[1] > 2 * 100 * 3  # set, step and get of both
 
 
+@pytest.mark.parametrize("plain", [False, True])
+@pytest.mark.parametrize("algorithm,final", [("jacobi", 1), ("gauss-seidel", 1), ("iterated", 0), ("variable", 0)])
+def test_a_step_that_may_be_taken_back_is_not_called_final(tmp_path, algorithm, final, plain):
+    """noSetFMUStatePriorToCurrentPoint (FMI 2.0 section 4.2.2)."""
+    fmu = small.build(tmp_path, direct=None if algorithm == "iterated" else False, flags=("-DSHOWS_KEEP",))
+    flight = fly(small.pair(fmu), 0.01, 0.1, algorithm, plain=plain)
+    assert flight.finished and set(flight["left.whole_out"][1:]) == set(flight["right.whole_out"][1:]) == {final}
+
+
 def test_what_is_only_recorded_is_read_on_recorded_ticks_only(fmu):
     counts = {}
     for decimate in (1, 10, 100):
