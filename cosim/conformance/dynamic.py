@@ -17,14 +17,16 @@ from .confined import Confined, Limits, sandbox, why
 from .fmi2 import MARK_BYTES, Mark
 from .job import Job, Known
 from .probes.bench import PROBES
-from .report import Finding, Report
-from .rule import ERROR, RULES, WARNING
+from .report import EVERYTHING, Finding, Report
+from .rule import ERROR, FORMAL, REFUSED, RULES, WARNING
 from .subject import Fault, Fmu
 
 POLL_S = 0.05
+TOLERANCE = 1e-4  # where the file names none
 MOST_LIMITS = 4  # a probe whose calls all return is given up after this many time limits
 FATAL_RULES = {"dynamic.load": "the FMU cannot be loaded", "dynamic.hang": "the FMU hangs",
                "dynamic.limits": "the FMU passed a limit"}
+FLYING = ("load", "life")  # the probes without which nothing flies
 ONCE = ("dynamic.fatal", "dynamic.log-refusal")  # an FMU that does so does so for any call
 FLAGS = ("canHandleVariableCommunicationStepSize", "canInterpolateInputs", "canRunAsynchronuously",
          "needsExecutionTool", "canBeInstantiatedOnlyOncePerProcess", "canGetAndSetFMUstate", "canSerializeFMUstate",
@@ -35,7 +37,7 @@ def run(fmu: Fmu, report: Report, work: Path, limits: Limits, cycles: int) -> No
     """Run all probes on the FMU and note what they find."""
     library = host_library(fmu)
     if library is None:
-        report.skip("everything dynamic", f"no binary for this platform (binaries/{host_platform()})")
+        report.skip(EVERYTHING, f"no binary for this platform (binaries/{host_platform()})")
         return
     report.sandbox = sandbox() or "none"
     run_probes(make_job(fmu, library, limits.call_s, cycles), report, work, limits)
@@ -54,6 +56,7 @@ def run_probes(job: Job, report: Report, work: Path, limits: Limits) -> None:
         cause = next((FATAL_RULES[f.rule] for f in report.findings if ends_the_check(f)), None)
         if cause:
             report.skip("the probes after that", cause)
+        if cause or not report.ran:
             return
         job = replace(job, probes=job.probes[done:])
 
@@ -83,6 +86,8 @@ def make_job(fmu: Fmu, library: Path, time_limit: float, cycles: int) -> Job:
     start, stop, step = given.get("startTime") or 0.0, given.get("stopTime"), given.get("stepSize")
     if not step or step <= 0:
         step = (stop - start) / 100 if stop is not None and stop > start else 0.01
+    tolerance = given.get("tolerance") or 0.0
+    tolerance = tolerance if 0 < tolerance < 1 else TOLERANCE
     claims = {flag: 1 for flag in FLAGS if fmu.description.claims(flag)}
     order = integer((fmu.description.co_simulation or {}).get("maxOutputDerivativeOrder")) or 0
     return Job(
@@ -92,6 +97,7 @@ def make_job(fmu: Fmu, library: Path, time_limit: float, cycles: int) -> Job:
         start=start,
         stop=stop,
         step=step,
+        tolerance=tolerance,
         claims=claims | ({"maxOutputDerivativeOrder": order} if order else {}),
         categories=[c.get("name", "") for c in fmu.description.root.iterfind("LogCategories/Category")],
         variables=[known_variable(v) for v in fmu.description.variables if v.type and v.reference is not None],
@@ -177,7 +183,7 @@ def take_answers(lines: list[str], report: Report) -> tuple[list[str], list[str]
             fault = Fault(*line["fault"])
             if (line["rule"], fault.variable, fault.found) not in known:
                 known.add((line["rule"], fault.variable, fault.found))
-                report.add(line["rule"], fault, line["severity"])
+                report.add(line["rule"], fault, line["severity"], line.get("impact"))
         elif "skip" in line:
             report.skip(*line["skip"])
         elif "begin" in line:
@@ -205,7 +211,11 @@ def answer(text: str, begun: list[str]) -> dict[str, Any]:
 
 def report_death(report: Report, probe: str, death: str, call: str, limits: Limits) -> None:
     """Report why a probe did not end. After an illegal call that is a warning only, since the caller is at fault."""
-    severity = None if PROBES[probe].legal else WARNING
+    severity, impact = (None, None) if PROBES[probe].legal else (WARNING, FORMAL)
+    if probe not in FLYING:
+        impact = impact or REFUSED
+    if probe == "free-null":
+        impact = FORMAL  # no master needs that call
     if death == "slow":
         report.skip(probe, f"slow: not finished within {MOST_LIMITS * limits.call_s:g} s")
     elif death.startswith("limit: "):
@@ -213,8 +223,8 @@ def report_death(report: Report, probe: str, death: str, call: str, limits: Limi
         report.add("dynamic.limits", Fault(call, found, "what the check's limits allow"))
     elif death == "hang":
         found = f"{call} did not return within {limits.call_s:g} s (probe '{probe}')"
-        report.add("dynamic.hang", Fault(call, found, "a status, in time"), severity)
+        report.add("dynamic.hang", Fault(call, found, "a status, in time"), severity, impact)
     else:
         found = f"{call} ended the process with {death} (probe '{probe}')"
         if not any((f.rule, f.variable) == ("dynamic.crash", call) for f in report.findings):
-            report.add("dynamic.crash", Fault(call, found, "a status"), severity)
+            report.add("dynamic.crash", Fault(call, found, "a status"), severity, impact)

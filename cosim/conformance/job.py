@@ -28,6 +28,7 @@ class Job:
     start: float
     stop: float | None
     step: float
+    tolerance: float  # of a trajectory by its own scale: what the FMU's solver may differ
     claims: dict[str, int]  # capability flags of 4.3.1 that are not false
     categories: list[str]  # names of the log categories
     variables: list[Known]

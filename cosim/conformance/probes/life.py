@@ -3,7 +3,8 @@ import math
 
 from ..fmi2 import WARNING, Instance, Value
 from ..job import Known
-from .bench import Bench, Row, bits, moved, probe, status_name
+from .bench import Bench, Row, moved, probe, status_name
+from .compare import BITS, bits
 
 
 @probe("load")
@@ -198,7 +199,13 @@ def deterministic(bench: Bench) -> None:
     """Two runs of two fresh instances give the same bits."""
     different = bench.difference(bench.first_run, bench.second_run)
     if different:
-        bench.fault("dynamic.deterministic", different.variable, different.text, "the same bits in every run")
+        if different.share < BITS:
+            severity, impact = "note", "formal"
+        else:
+            severity, impact = "warning", None if different.share > bench.job.tolerance else "formal"
+        found = f"{different.text}; up to {different.share:.2g} of the variable's scale"
+        bench.fault("dynamic.deterministic", different.variable, found, "the same bits in every run", severity, impact)
+    if not bench.is_deterministic:
         bench.skip("replays (reset, restored state, other instances)", "two runs of the FMU differ anyway")
 
 
@@ -213,11 +220,10 @@ def reset(bench: Bench) -> None:
         second = bench.run(fmu)
         bench.expect(fmu.call("Reset"), "fmi2Reset", "after a step")
         third = bench.run(fmu)
-    for other in (second, third):
-        different = bench.difference(first, other)
-        if different and bench.is_deterministic:
-            bench.fault("dynamic.reset-replay", different.variable, different.text, "the first run again")
-            return
+    if bench.is_deterministic:
+        different = max(filter(None, (bench.difference(first, other) for other in (second, third))),
+                        key=lambda d: d.share, default=None)
+        bench.judge("dynamic.reset-replay", different, "the first run again")
 
 
 @probe("twice", many=True)
@@ -233,8 +239,8 @@ def twice(bench: Bench) -> None:
         other.free()
         rows += bench.advance(fmu, bench.steps // 2, bench.steps)
         different = bench.difference(bench.first_run, rows)
-    if different and bench.is_deterministic:
-        bench.fault("dynamic.isolation", different.variable, different.text, "what it gives alone")
+    if bench.is_deterministic:
+        bench.judge("dynamic.isolation", different, "what it gives alone")
 
 
 def interleaved(bench: Bench, fmu: Instance, other: Instance) -> list[Row]:

@@ -56,7 +56,7 @@ DEFECTS: tuple[Defect, ...] = (
     _swap("xml.encoding-declared", "no encoding declared", '<?xml version="1.0" encoding="UTF-8"?>\n', ""),
     _swap("xml.well-formed", "an element left open", "</ModelStructure>", ""),
     _swap("xml.entities", "a harmless entity", '"UTF-8"?>', '"UTF-8"?>\n<!DOCTYPE a [<!ENTITY b "c">]>'),
-    _swap("xml.fmi-version", "an FMI 3.0 description", 'fmiVersion="2.0"', 'fmiVersion="3.0"'),
+    _swap("xml.fmi-version", "an FMI 1.0 description", 'fmiVersion="2.0"', 'fmiVersion="1.0"'),
     _swap("xml.schema", "no GUID", f" {_GUID}", ""),
     _swap("xml.schema", "an unknown attribute", 'modelName="Fixture"', 'modelName="Fixture" colour="red"'),
     _edit("xml.schema", "an unknown causality", "label", 'causality="parameter"', 'causality="knob"'),
@@ -236,5 +236,10 @@ DEFECTS: tuple[Defect, ...] = (
         _Y_OUTPUT,
         'index="13" dependencies="2 4 8" dependenciesKind="tunable constant dependent"',
     ),
+    # What naive importers do not bear: the correct FMU has the first two
+    _swap("naive.non-real-output", "outputs of all types"),
+    _swap("naive.needs-inputs", "outputs that depend on inputs at once"),
+    _swap("naive.unit-name", "a unit with a root", '<Unit name="1/s">', '<Unit name="sqrt(s-2)">', 'unit="1/s"',
+          'unit="sqrt(s-2)"'),
     _swap("dependency.missing", "an output without dependencies", _COUNT_OUTPUT, '<Unknown index="8"/>'),
 )
