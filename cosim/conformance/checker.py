@@ -9,8 +9,10 @@ from . import dynamic, rules  # noqa: F401  (importing the rules registers them)
 from .confined import Limits
 from .reading import Unusable, read
 from .report import EVERYTHING, Finding, Report
-from .rule import RULES, STATIC_CHECKS
+from .rule import DOES_NOT_LOAD, REFUSED, RULES, STATIC_CHECKS
 from .subject import Fault, Fmu
+
+HERE = f"binaries/{dynamic.host_platform()}"
 
 
 def check(path: Path, run_probes: bool, limits: Limits, cycles: int) -> Report:
@@ -46,7 +48,13 @@ def check_static(fmu: Fmu, report: Report) -> None:
     for name, find in STATIC_CHECKS.items():
         if report.fmi_version in RULES[name].sections:
             for fault in find(fmu):
-                report.add(name, fault)
+                report.add(name, fault, impact=REFUSED if is_foreign(name, fault) else None)
+
+
+def is_foreign(rule: str, fault: Fault) -> bool:
+    """Whether a fault is in a binary of another platform, which is nothing to this machine."""
+    of_binary = rule.startswith("binary.") and fault.variable.startswith("binaries/")
+    return of_binary and RULES[rule].impact == DOES_NOT_LOAD and fault.variable != HERE
 
 
 def check_dynamic(fmu: Fmu, report: Report, work: Path, run_probes: bool, limits: Limits, cycles: int) -> None:
@@ -63,6 +71,5 @@ def check_dynamic(fmu: Fmu, report: Report, work: Path, run_probes: bool, limits
 
 def prevents_running(finding: Finding) -> bool:
     """Whether the FMU cannot be run because of this finding."""
-    this_binary = f"binaries/{dynamic.host_platform()}"
-    is_broken = finding.rule in ("binary.format", "binary.exports") and finding.variable == this_binary
+    is_broken = finding.rule in ("binary.format", "binary.exports") and finding.variable == HERE
     return is_broken or finding.rule == "xml.schema"

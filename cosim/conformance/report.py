@@ -74,7 +74,7 @@ class Report:
         line = RULES[rule]
         known = next((text for pattern, text in line.tools.items() if re.search(pattern, self.tool)), "")
         self.findings.append(Finding(rule, line.sections[self.fmi_version], severity or line.severity,
-                                     *map(printable, fault), impact or line.impact, line.says, line.group, known))
+                                     *map(printable, fault[:3]), impact or fault.impact or line.impact, line.says, line.group, known))
 
     def merge(self, rule: str) -> None:
         """Make one finding of all findings of `rule`: the first, and how many more there are."""

@@ -108,7 +108,7 @@ def binary_name(fmu: Fmu) -> Iterator[Fault]:
         there = sorted(path.name for path in folder.iterdir())
         if known and fmu.identifier and there and f"{fmu.identifier}{known[0]}" not in there:
             expected = f"binaries/{folder.name}/{fmu.identifier}{known[0]}"
-            yield Fault(f"binaries/{folder.name}", f"only {', '.join(there[:3])}", expected)
+            yield Fault(f"binaries/{folder.name}", f"only {', '.join(there)}", expected)
 
 
 def libraries(fmu: Fmu) -> Iterator[tuple[str, Library | BadBinary]]:
@@ -158,7 +158,7 @@ def not_exported(fmu: Fmu, functions: list[str]) -> Iterator[Fault]:
         prefixed = [name for name in missing if f"{fmu.identifier}_{name}" in library.exports]
         hint = f" (it exports {fmu.identifier}_{prefixed[0]})" if prefixed else ""
         if missing:
-            found = f"without {', '.join(missing[:4])}{', ...' if len(missing) > 4 else ''}{hint}"
+            found = f"without {', '.join(missing)}{hint}"
             yield Fault(f"binaries/{platform}", found, f"{len(functions)} functions of fmi2Functions.h")
 
 
@@ -178,6 +178,13 @@ def source_listed(fmu: Fmu) -> Iterator[Fault]:
         name = file.get("name", "")
         if f"sources/{name}" not in fmu.members:
             yield Fault(f"sources/{name}", "listed in SourceFiles, not in the archive", "the file")
+
+
+@static("source.unique")
+def source_unique(fmu: Fmu) -> Iterator[Fault]:
+    for listed in fmu.description.root.iterfind("*/SourceFiles"):
+        for name, count in repeated(file.get("name", "") for file in listed.iterfind("File")):
+            yield Fault(f"sources/{name}", f"listed {count} times", "once")
 
 
 @static("source.list")

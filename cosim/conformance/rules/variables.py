@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 from ...master.declared import CAUSALITIES, INITIAL, VARIABILITIES, Variable, integer, number
 from ..repeats import repeated
-from ..rule import static
+from ..rule import FORMAL, static
 from ..subject import Fault, Fmu
 
 # Section 2.2.9, the grammar of "structured" names. The specification's escapes are \' \" \? \\ \a \b \f \n \r \t \v.
@@ -52,6 +52,13 @@ def structured_name(fmu: Fmu) -> Iterator[Fault]:
 def is_flat(fmu: Fmu) -> bool:
     """Whether names are flat, not structured."""
     return fmu.description.attributes.get("variableNamingConvention", "flat") != "structured"
+
+
+@static("variable.derivative-name")
+def derivative_name(fmu: Fmu) -> Iterator[Fault]:
+    for v in fmu.description.variables:
+        if not is_flat(fmu) and v.name.startswith("der(") and v.type not in ("Real", ""):
+            yield Fault(v.name, f"a {v.type}", "a Real: derivatives are")
 
 
 @static("variable.causality")
@@ -224,4 +231,23 @@ def alias_unit(fmu: Fmu) -> Iterator[Fault]:
     for variables in alias_sets(fmu):
         units = {v.resolved("unit") for v in variables}
         if len(units) > 1:
-            yield Fault(variables[1].name, f"units {', '.join(sorted(map(str, units)))} in one alias set", "one unit")
+            found = f"units {', '.join(sorted(map(str, units)))} in one alias set"
+            contradicts = len(units - {None}) > 1
+            yield Fault(variables[1].name, found, "one unit", None if contradicts else FORMAL)
+
+
+@static("alias.variability")
+def alias_variability(fmu: Fmu) -> Iterator[Fault]:
+    for variables in alias_sets(fmu):
+        found = {v.variability for v in variables}
+        if len(found) > 1 and "constant" not in found and not any(v.causality == "independent" for v in variables):
+            yield Fault(variables[1].name, f"{quoted_names(variables)} share a value and are {', '.join(sorted(found))}",
+                        "one variability")
+
+
+@static("alias.independent")
+def alias_independent(fmu: Fmu) -> Iterator[Fault]:
+    for variables in alias_sets(fmu):
+        settable = [v for v in variables if is_settable(v)]
+        if settable and any(v.causality == "independent" for v in variables):
+            yield Fault(settable[0].name, f"{quoted_names(variables)} share a value", "time alone")

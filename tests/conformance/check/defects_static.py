@@ -177,7 +177,16 @@ DEFECTS: tuple[Defect, ...] = (
         _LOCAL.format("g2", 7, "constant", "", 'start="9.8"'),
     ),
     _edit("alias.unit", "an alias in seconds", "plant.x[1]", 'unit="m"', 'unit="s"'),
+    _before("alias.variability", "a discrete alias", _LAST_VARIABLE, _LOCAL.format("x2", 1, "discrete", "", 'unit="m"')),
+    _before(
+        "alias.independent",
+        "a parameter that is time",
+        _LAST_VARIABLE,
+        _LOCAL.format("t2", 0, "tunable", 'causality="parameter"', 'unit="s" start="0"'),
+    ),
     # 2.2.9: names
+    _before("variable.derivative-name", "an Integer derivative", _LAST_VARIABLE,
+            '<ScalarVariable name="der(n)" valueReference="9" variability="discrete"><Integer/></ScalarVariable>'),
     _edit("variable.structured-name", "a name that begins with a digit", "g", 'name="g"', 'name="9g"'),
     _edit("variable.structured-name", "an open bracket", "plant.x[1]", "plant.x[1]", "plant.x[1"),
     _swap("variable.flat-name", "a line feed in a flat name", _STRUCTURED, _FLAT, 'name="g"', 'name="a&#10;g"'),

@@ -23,6 +23,7 @@ MILDER = {
 }
 REFUSED, FORMAL = "other tools refuse it", "formal"
 IMPACTS_OF = {
+    "binary.format: a Linux library for Windows": REFUSED,
     "dynamic.crash: fmi2FreeInstance aborts on a null pointer": FORMAL,
     "dynamic.crash: a call in the wrong mode aborts": FORMAL,
     "dynamic.crash: a negative step aborts": FORMAL,
