@@ -13,12 +13,10 @@ from . import probes  # noqa: F401  (importing the probes registers them)
 from .confined import guarded
 from .fmi2 import DISCARD, FATAL, PENDING, Mark
 from .job import Job
-from .probes.bench import PROBES, Bench, CallFailed, NoInstance
-
+from .probes.bench import FLYING, PROBES, Bench, CallFailed, NoInstance
 
 LACKING = r"cannot open shared object file|version `.*' not found"  # what dlopen says of other libraries
 LICENCE = r"licen[cs]e"
-NEEDED = ("fmi2SetupExperiment", "fmi2EnterInitializationMode", "fmi2ExitInitializationMode", "fmi2DoStep")
 
 
 def work(text: str, answers: int) -> None:
@@ -82,7 +80,7 @@ def report_failure(bench: Bench, name: str, failure: CallFailed) -> None:
     expected = "fmi2OK" if failure.status != FATAL else "fmi2OK; fmi2Fatal makes every instance unusable"
     # A slave may discard a step that it cannot take (4.2.2), but then it does not run by its own default experiment.
     severity = "warning" if (failure.call, failure.status) == ("fmi2DoStep", DISCARD) else None
-    impact = None if failure.call in NEEDED else "other tools refuse it"
+    impact = None if name in FLYING and failure.call != "fmi2Terminate" else "other tools refuse it"
     words = f": '{bench.library.words}'" if bench.library.words else ""
     bench.fault("dynamic.legal-call", failure.call, f"{failure}{words}", expected, severity, impact)
 

@@ -139,6 +139,7 @@ class Library:
         """fmi2Instantiate (2.1.5); None when the FMU returned a null pointer."""
         number = len(self.messages) + 1
         messages = self.messages[number] = Counter()
+        self.words = ""
         callbacks = Callbacks(self.logger, self.allocate, self.free_memory, None, number)
         self.format_messages(byref(callbacks))
         self.mark.set("fmi2Instantiate")

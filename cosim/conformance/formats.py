@@ -21,7 +21,7 @@ def sentence(f: Finding) -> str:
 
 
 def main_findings(report: Report, fail_on: str, everything: bool) -> list[Finding]:
-    """The findings that are shown without being asked for: what is no formality and no note, and what fails the check."""
+    """The findings that are shown unasked: what is no formality and no note, and what fails the check."""
     fails = FAILS[fail_on]
     return [f for f in report.sorted_findings()
             if everything or f.weighs or f.severity == ERROR or (fail_on != "error" and fails(f))]

@@ -33,6 +33,7 @@ class Job:
     categories: list[str]  # names of the log categories
     variables: list[Known]
     probes: list[str]
+    steps: int  # of a run
     cycles: int  # how often the memory probe instantiates and frees
     patience: float  # seconds that a probe may use on repetitions
 

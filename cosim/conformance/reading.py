@@ -10,7 +10,6 @@ from ..master.description import Description, parsed
 from .subject import Fault, Fmu
 
 
-
 class Unusable(Exception):
     """The FMU cannot be judged any further; carries the rule and the fault that say why."""
 

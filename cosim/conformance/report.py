@@ -72,9 +72,10 @@ class Report:
     def add(self, rule: str, fault: Fault, severity: str | None = None, impact: str | None = None) -> None:
         """Note a breach of `rule`; a probe may state a milder `severity` and `impact` than the rule's own."""
         line = RULES[rule]
+        variable, found, expected = map(printable, fault[:3])
         known = next((text for pattern, text in line.tools.items() if re.search(pattern, self.tool)), "")
-        self.findings.append(Finding(rule, line.sections[self.fmi_version], severity or line.severity,
-                                     *map(printable, fault[:3]), impact or fault.impact or line.impact, line.says, line.group, known))
+        self.findings.append(Finding(rule, line.sections[self.fmi_version], severity or line.severity, variable, found,
+                                     expected, impact or fault.impact or line.impact, line.says, line.group, known))
 
     def merge(self, rule: str) -> None:
         """Make one finding of all findings of `rule`: the first, and how many more there are."""
@@ -177,7 +178,8 @@ def findings_table(report: Report, shown: list[Finding] | None = None, most: int
         seen[f.severity, f.rule] += 1
         if seen[f.severity, f.rule] <= most:
             severity = f"[{COLOURS[f.severity]}]{f.severity}[/]"
-            table.add_row(f.impact, severity, f.rule, f.section, *map(without_markup, (f.variable, f.found, f.expected)))
+            texts = map(without_markup, (f.variable, f.found, f.expected))
+            table.add_row(f.impact, severity, f.rule, f.section, *texts)
     for (severity, rule), number in seen.items():
         if number > most:
             table.add_row("", severity, rule, "", f"{number - most} more", "`ahv check --json` lists them", "")

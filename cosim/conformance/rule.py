@@ -1,4 +1,4 @@
-"""The rules: one table, `rules.yaml`, for all versions of FMI; and at most one small function that finds what breaks one.
+"""The rules: one table, `rules.yaml`, for all versions of FMI; and small functions that find what breaks them.
 
 `@static(name)` registers the function that checks a rule by reading the FMU. All others are found by something else:
 opening the archive, the XML schema, a dynamic probe.
@@ -30,8 +30,8 @@ class Rule:
     """A line of the table. `sections` has, for each version of FMI that knows the rule, the section that asks for it.
 
     `impact` is what can happen when the rule is broken. `why`, `c` and `pythonfmu` explain: why the standard asks for
-    it, how to mend it in C (or in a modelDescription.xml of one's own), and how in pythonfmu. `group` gathers notes; `tools` has, for a
-    pattern of generationTool, what is known of that tool.
+    it, how to mend it in C (or in a modelDescription.xml of one's own), and how in pythonfmu. `group` gathers notes;
+    `tools` has, for a pattern of generationTool, what is known of that tool.
     """
     name: str
     says: str

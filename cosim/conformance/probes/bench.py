@@ -7,6 +7,7 @@ import json
 import math
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -25,7 +26,10 @@ from ..fmi2 import (
 from ..job import Job, Known
 from .compare import BITS, Column, Difference, worst_difference
 
-STEPS = 20
+LONGEST_RUN_S = 2.0
+FEWEST_STEPS = 4
+ADDRESSES = (".base.lo", ".base.hi")  # how OSMP, of ASAM's OSI, hands over memory
+FLYING = ("load", "life")  # the probes without which nothing flies
 NOISE = 10.0  # a replay may differ by so many times what two fresh instances differ
 BASES = ("Real", "Integer", "Boolean", "String")
 
@@ -147,17 +151,24 @@ class Bench:
 
     @property
     def steps(self) -> int:
-        """How many steps a run takes: not beyond the default stop time."""
-        if self.job.stop is None or self.job.stop <= self.job.start:
-            return STEPS
-        return max(2, min(STEPS, int((self.job.stop - self.job.start) / self.job.step + 1e-9)))
+        """How many steps a run takes."""
+        return self.job.steps
+
+    def take_fewer_steps(self, seconds: float) -> None:
+        """Shorten all further runs if one takes so many `seconds` that the check would take minutes."""
+        fewer = max(FEWEST_STEPS, int(self.steps * LONGEST_RUN_S / seconds)) if seconds > LONGEST_RUN_S else self.steps
+        if fewer < self.steps:
+            self.skip(f"runs of {self.steps} steps", f"slow: one took {seconds:.1f} s; others have {fewer} steps")
+            self.job = replace(self.job, steps=fewer)
+            self.write_line({"steps": fewer})
 
     # --- trajectories ---------------------------------------------------------------------------------
 
     @cached_property
     def recorded(self) -> list[Known]:
-        """What a trajectory holds: everything that the FMU computes."""
-        return [v for v in self.job.variables if v.causality in ("output", "local", "calculatedParameter")]
+        """What a trajectory holds: everything that the FMU computes. Addresses are no results."""
+        return [v for v in self.job.variables if v.causality in ("output", "local", "calculatedParameter")
+                and not (v.base == "Integer" and v.name.endswith(ADDRESSES))]
 
     @cached_property
     def groups(self) -> dict[str, list[Known]]:

@@ -241,8 +241,8 @@ def alias_variability(fmu: Fmu) -> Iterator[Fault]:
     for variables in alias_sets(fmu):
         found = {v.variability for v in variables}
         if len(found) > 1 and "constant" not in found and not any(v.causality == "independent" for v in variables):
-            yield Fault(variables[1].name, f"{quoted_names(variables)} share a value and are {', '.join(sorted(found))}",
-                        "one variability")
+            told = f"{quoted_names(variables)} share a value and are {', '.join(sorted(found))}"
+            yield Fault(variables[1].name, told, "one variability")
 
 
 @static("alias.independent")

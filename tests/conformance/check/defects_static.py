@@ -177,7 +177,9 @@ DEFECTS: tuple[Defect, ...] = (
         _LOCAL.format("g2", 7, "constant", "", 'start="9.8"'),
     ),
     _edit("alias.unit", "an alias in seconds", "plant.x[1]", 'unit="m"', 'unit="s"'),
-    _before("alias.variability", "a discrete alias", _LAST_VARIABLE, _LOCAL.format("x2", 1, "discrete", "", 'unit="m"')),
+    _before(
+        "alias.variability", "a discrete alias", _LAST_VARIABLE, _LOCAL.format("x2", 1, "discrete", "", 'unit="m"')
+    ),
     _before(
         "alias.independent",
         "a parameter that is time",

@@ -13,8 +13,8 @@ from cosim.conformance.checker import check as _loaded  # noqa: F401  (registers
 from cosim.conformance.report import Report
 from cosim.conformance.rule import RULES
 
-# Crashes after a master's mistake, and a discarded step, are no clear breach; what is lost by rounding to a float is less
-# than the FMU's tolerance.
+# Crashes after a master's mistake, and a discarded step, are no clear breach; what is lost by rounding to a float is
+# less than the FMU's tolerance.
 MILDER = {
     "dynamic.crash: a call in the wrong mode aborts",
     "dynamic.crash: a negative step aborts",
