@@ -30,9 +30,9 @@ def main_findings(report: Report, fail_on: str, everything: bool) -> list[Findin
 def left_out(report: Report, shown: Sequence[Finding]) -> str:
     """A sentence about what is not shown; empty if there is nothing."""
     hidden = len(report.findings) - len(shown)
-    parts = [f"{hidden} finding{'s' * (hidden != 1)}"] if hidden else []
-    parts += [f"{len(report.not_tested)} things that were not tested"] if report.not_tested else []
-    return f"--all shows {' and '.join(parts)} more." if parts else ""
+    parts = [f"{hidden} more finding{'s' * (hidden != 1)}"] if hidden else []
+    parts += ["what was not tested"] if report.not_tested else []
+    return f"--all shows {' and '.join(parts)}." if parts else ""
 
 
 def lines(report: Report, fail_on: str = "error", everything: bool = False) -> list[str]:
@@ -42,7 +42,7 @@ def lines(report: Report, fail_on: str = "error", everything: bool = False) -> l
     told += [f"{name}: {f.severity}: {f.rule} (FMI {report.fmi_version}, {f.section}; {f.impact}): {sentence(f)}. "
              f"Rule: {f.says}" for f in shown]
     told += [f"{name}: not tested: {n.what}: {n.why}" for n in report.not_tested if everything or n.what == EVERYTHING]
-    told += [f"{name}: {report.ignored} findings ignored"] if report.ignored else []
+    told += [f"{name}: findings left out by --ignore: {report.ignored}"] if report.ignored else []
     return [*told, f"{name}: {rest}"] if not everything and (rest := left_out(report, shown)) else told
 
 
