@@ -70,7 +70,7 @@ MISTAKES = {
         "flow: in the unit '1/furlong', 'furlong' is not known; a unit is 1 or made of kg, m, s, "),
     "a unit that is none": (FLOW, FLOW.replace('"1/s"', "None"), "flow: the unit None is not text, such as 'ft/s'"),
     "a unit of an unknown kind": (FLOW, FLOW.replace("1/s", "rad/s speed"),
-        "flow: in the unit 'rad/s speed', only 'frequency' may follow"),
+        "flow: in the unit 'rad/s speed', only 'frequency' or 'discrete' may follow"),
     "an unknown causality": (FLOW, FLOW.replace("input", "in"),
         "flow: causality 'in' is none of input, output, calculatedParameter, parameter"),
     "a name twice": (RATE, RATE + ", " + RATE, "rate stands twice in the table; names must differ"),
