@@ -1,9 +1,6 @@
 """Flies a system from start to stop and keeps what it showed."""
-import signal
-import threading
 import time
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -11,12 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import RunError, UsageError, did_you_mean
+from ..errors import Interrupted, RunError, UsageError, did_you_mean
 from .algorithms import Method, method
 from .algorithms.base import Algorithm, Experiment
 from .course import Course, terms
 from .instance import Instance
+from .interruptions import interruptions
 from .loaded import Ended, Master, open_files
+from .memory import free_memory
 from .pace import Pace
 from .progress import Progress
 from .recording import CHUNK_ROWS, Recorder, Stream
@@ -26,6 +25,7 @@ from .wiring import Signal
 
 MOST_TICKS = 1e12  # 11 days at a microsecond each
 CHUNK_S = 0.1  # wall time between two looks at the world
+COPIES = 3  # of all rows in memory at a time, at most: when they are put together and written
 MakeRecorder = Callable[[list[Signal]], Recorder]
 
 
@@ -57,6 +57,7 @@ class Flight:
     ended_at: float | None = None    # s, where an FMU ended the simulation, which counts as finished
     periods: dict[str, float] = field(default_factory=dict)   # s, of the components that do not step in every tick
     remarks: list[str] = field(default_factory=list)   # sentences of whoever had it flown, for `warnings`
+    interrupted: int = 0             # the signal that asked for an end, before or after it came to it; 0 if none did
 
     @cached_property
     def places(self) -> dict[str, int]:
@@ -143,6 +144,11 @@ class Flight:
                 f"{', '.join(names[:5])}{more} {'is' if len(names) == 1 else 'are'} nan or infinite, first at "
                 f"t = {self.time[first]:.6g} s: figures made of them tell nothing."]
 
+    def check_interrupted(self) -> None:
+        """Raises Interrupted if a signal asked for an end. For programs that fly many."""
+        if self.interrupted:
+            raise Interrupted(self.message or "Interrupted when the flight had ended.", self.interrupted)
+
     @property
     def outcome(self) -> str:
         """What happened, in one sentence."""
@@ -176,6 +182,11 @@ def tick_count(step: float, stop: float) -> int:
     return count
 
 
+def row_count(step: float, stop: float, decimate: int) -> int:
+    """Rows of a flight that takes all steps. Raises what `tick_count` raises."""
+    return tick_count(step, stop) // decimate + 2
+
+
 def fly(system: System, step: float, stop: float, algorithm: str | Method = "gauss-seidel",
         progress: Progress | None = None, *, record: list[str] | None = None, decimate: int = 1,
         plain: bool = False, real_time: float | None = None, stream: Path | None = None,
@@ -203,7 +214,8 @@ def fly(system: System, step: float, stop: float, algorithm: str | Method = "gau
         master = Master(system, files, record, plain, decimate > 1)
         try:
             flight = fly_loaded(master, chosen, step, ticks, progress, decimate, real_time,
-                                recorder(master.columns) if recorder else make_recorder(master.columns, stream),
+                                recorder(master.columns) if recorder else make_recorder(
+                                    master.columns, stream, row_count(step, stop, decimate)),
                                 begun, began)
             if flown:
                 flown(flight)
@@ -212,9 +224,15 @@ def fly(system: System, step: float, stop: float, algorithm: str | Method = "gau
             master.close()
 
 
-def make_recorder(columns: list[Signal], stream: Path | None) -> Recorder:
-    """Rows into memory, or into the file `stream`."""
-    return Recorder(columns) if stream is None else Stream(columns, stream)
+def make_recorder(columns: list[Signal], stream: Path | None, rows: int) -> Recorder:
+    """Rows into memory, or into the file `stream`. Raises UsageError if so many would not fit in memory."""
+    if stream is not None:
+        return Stream(columns, stream)
+    need, free = COPIES * 8 * rows * (len(columns) + 1), free_memory()
+    if need > free:
+        raise UsageError(f"--step and --stop give {rows - 1:.3g} rows of {len(columns)} signals. They need "
+                         f"{need / 1e9:.3g} GB of memory, and {free / 1e9:.3g} GB are free. Use --stream.")
+    return Recorder(columns)
 
 
 def fly_loaded(master: Master, chosen: Method, step: float, ticks: int, progress: Progress | None = None,
@@ -243,11 +261,13 @@ def fly_loaded(master: Master, chosen: Method, step: float, ticks: int, progress
         raise
     pace = Pace(real_time, step) if real_time else None
     began = time.perf_counter()
-    flight.message, flight.ended_at = advance(running, experiment, progress, pace)
-    flight.wall_s = time.perf_counter() - began
-    flight.finished, flight.ticks = not flight.message or flight.ended_at is not None, running.ticks
-    flight.reached = running.time if flight.ended_at is None else flight.ended_at
-    take_rows(flight, recorder)
+    with interruptions() as interrupted:
+        flight.message, flight.ended_at = advance(running, experiment, progress, pace, interrupted)
+        flight.wall_s = time.perf_counter() - began
+        flight.finished, flight.ticks = not flight.message or flight.ended_at is not None, running.ticks
+        flight.reached = running.time if flight.ended_at is None else flight.ended_at
+        take_rows(flight, recorder)
+    flight.interrupted = interrupted[0] if interrupted else 0
     flight.lateness = pace.report() if pace else None
     return flight
 
@@ -266,45 +286,28 @@ def take_rows(flight: Flight, recorder: Recorder) -> None:
         flight.message = f"{flight.message.rstrip('.')}; {recorder.trouble}" if flight.message else recorder.trouble
 
 
-def advance(algorithm: Algorithm, experiment: Experiment, progress: Progress | None, pace: Pace | None
-            ) -> tuple[str, float | None]:
-    """Advance to the stop in chunks of about CHUNK_S; why it ended early, or an empty text, and the time (s) at which
-    an FMU ended the simulation if one did."""
+def advance(algorithm: Algorithm, experiment: Experiment, progress: Progress | None, pace: Pace | None,
+            interrupted: list[int]) -> tuple[str, float | None]:
+    """Advance to the stop in chunks of about CHUNK_S, until there is something in `interrupted`; why it ended early, or
+    an empty text, and the time (s) at which an FMU ended the simulation if one did."""
     most, limit = 16, CHUNK_ROWS * experiment.decimate
-    with interruptions() as interrupted:
-        try:
-            while not algorithm.done:
-                if interrupted:
-                    return f"Interrupted at t = {algorithm.time:.6g} s.", None
-                if pace:
-                    pace.wait(algorithm.time, interrupted)
-                chunk = time.perf_counter()
-                algorithm.advance(1 if pace else most)
-                took = time.perf_counter() - chunk
-                most = max(1, min(int(most * min(4.0, CHUNK_S / max(took, 1e-9))), limit))
-                if progress:
-                    progress(algorithm.time)
-        except Ended as end:
-            return str(end), end.time
-        except RunError as error:
-            return str(error), None
-    return "", None
-
-
-@contextmanager
-def interruptions() -> Iterator[list[int]]:
-    """Ctrl-C and SIGTERM as entries of a list, so that no FMU is torn out of a call; a Python FMU would take the
-    exception for its own failure."""
-    caught: list[int] = []
-    if threading.current_thread() is not threading.main_thread():
-        yield caught
-        return
-    previous = {s: signal.signal(s, lambda number, _: caught.append(number)) for s in (signal.SIGINT, signal.SIGTERM)}
     try:
-        yield caught
-    finally:
-        for number, handler in previous.items():
-            signal.signal(number, handler)
+        while not algorithm.done:
+            if interrupted:
+                return f"Interrupted at t = {algorithm.time:.6g} s.", None
+            if pace:
+                pace.wait(algorithm.time, interrupted)
+            chunk = time.perf_counter()
+            algorithm.advance(1 if pace else most)
+            took = time.perf_counter() - chunk
+            most = max(1, min(int(most * min(4.0, CHUNK_S / max(took, 1e-9))), limit))
+            if progress:
+                progress(algorithm.time)
+    except Ended as end:
+        return str(end), end.time
+    except RunError as error:
+        return str(error), None
+    return "", None
 
 
 def inquire(instance: Instance) -> dict[str, Any]:

@@ -1,13 +1,12 @@
 """One FMU file: what it declares."""
 import hashlib
 import math
-import shutil
-import tempfile
 from dataclasses import dataclass, field
 from os.path import isfile
 from pathlib import Path, PurePosixPath
 
 from ..errors import UsageError, did_you_mean
+from ..temporary import Folder
 from ..text import printable
 from .declared import Variable
 from .description import Description, read, usable
@@ -69,7 +68,7 @@ class FmuFile:
     `corrupted` is set when an instance answers Fatal: no function of any of its instances may be called then.
     """
     path: Path
-    folder: Path
+    extracted: Folder
     description: Description
     sha256: str
     variables: dict[str, Variable] = field(init=False)
@@ -85,26 +84,27 @@ class FmuFile:
         Raises UsageError if it is missing or no FMI 2.0 co-simulation FMU.
         """
         existing(path)
-        folder = Path(tempfile.mkdtemp(prefix="ahv_"))
+        folder = Folder()
         try:
-            safe_extract(path, folder)
-            description = read(folder)
+            safe_extract(path, folder.path)
+            description = read(folder.path)
+            if description.version != "2.0" or description.co_simulation is None:
+                raise UsageError(f"{path} is FMI {description.version} or has no co-simulation interface; "
+                                 f"FMI 2.0 co-simulation is what runs here.")
+            identifier = description.co_simulation.get("modelIdentifier", "")
+            if not identifier.isprintable() or set(identifier) & set("/\\"):  # it names the library that is loaded
+                raise UsageError(f"{path} cannot be opened: its modelIdentifier '{printable(identifier)}' is no name "
+                                 f"of a file in the FMU.")
+            return cls(path, folder, description, hashlib.sha256(path.read_bytes()).hexdigest())
         except BadArchive as error:
-            shutil.rmtree(folder, ignore_errors=True)
+            folder.close()
             raise UsageError(f"{path} cannot be opened: {error}.") from None
         except ValueError as error:
-            shutil.rmtree(folder, ignore_errors=True)
+            folder.close()
             raise UsageError(f"{path} cannot be read as an FMU: {error}.") from None
-        if description.version != "2.0" or description.co_simulation is None:
-            shutil.rmtree(folder, ignore_errors=True)
-            raise UsageError(f"{path} is FMI {description.version} or has no co-simulation interface; "
-                             f"FMI 2.0 co-simulation is what runs here.")
-        identifier = description.co_simulation.get("modelIdentifier", "")
-        if not identifier.isprintable() or set(identifier) & set("/\\"):  # it names the library that is loaded
-            shutil.rmtree(folder, ignore_errors=True)
-            raise UsageError(f"{path} cannot be opened: its modelIdentifier '{printable(identifier)}' is no name of a "
-                             f"file in the FMU.")
-        return cls(path, folder, description, hashlib.sha256(path.read_bytes()).hexdigest())
+        except BaseException:
+            folder.close()
+            raise
 
     def __enter__(self) -> "FmuFile":
         return self
@@ -114,7 +114,12 @@ class FmuFile:
 
     def close(self) -> None:
         """Remove the extracted files."""
-        shutil.rmtree(self.folder, ignore_errors=True)
+        self.extracted.close()
+
+    @property
+    def folder(self) -> Path:
+        """Where it is extracted."""
+        return self.extracted.path
 
     def variable(self, name: str) -> Variable:
         """The variable called `name`; UsageError suggests the nearest one if there is none."""
