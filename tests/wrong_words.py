@@ -35,7 +35,7 @@ COMMANDS = {  # command -> its arguments, its options: name -> what is drawn
     "tune": (["nobody"], ["--preset", "--flights", "--gain", "--evaluations#", "--draws#", "--seed#", "--sigma#",
                           "--workers#", "--out"]),
     "build": (["nobody"], ["!", "--flavour"]),
-    "bench": (["nothing"], ["!"]),
+    "bench": (["nothing"], ["--nonsense"]),
 }
 ALGORITHMS = ["gauss-seidel", "jacobi", "multi-rate", "variable", "iterated", "magic", "", "gauss_seidel"]
 OPTIONS = ["hold", "order", "tolerance", "passes", "rates", "controller", "plant", "scenario", "nobody", "", "h" * 2000]
