@@ -27,8 +27,8 @@ PORTS = [
     ("V_error", "output", "ft/s", None, None, None, 1.0, "velocity tracking error, measured minus reference"),
     ("h_error", "output", "ft", None, None, None, 1.0, "altitude tracking error, measured minus reference"),
     ("gamma_command", "output", "rad", None, None, None, 0.01, "flight-path angle command gamma_d (36)"),
-    ("fuel_ratio_saturated", "output", "", None, None, None, None, "fuel ratio at a limit"),
-    ("elevator_saturated", "output", "", None, None, None, None, "elevator at a limit"),
+    ("fuel_ratio_saturated", "output", "1 discrete", None, 0.0, 1.0, 1.0, "1 with the fuel ratio at a limit, else 0"),
+    ("elevator_saturated", "output", "1 discrete", None, 0.0, 1.0, 1.0, "1 with the elevator at a limit, else 0"),
 ]
 
 # Parameters of every law; `theta_trim` and `internal_step` are for those that need them.

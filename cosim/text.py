@@ -36,6 +36,11 @@ def text_table(headings: Sequence[str], rows: Iterable[Sequence[object]]) -> lis
     return ["  ".join(cell.ljust(width) for cell, width in zip(line, widths)).rstrip() for line in cells]
 
 
+def without_math(text: str) -> str:
+    """`text` for matplotlib, which takes what is between two dollar signs for a formula."""
+    return text.replace("$", r"\$")
+
+
 def html_table(headings: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
     """An HTML table; every text in it is escaped."""
     def line(tag: str, cells: Iterable[object]) -> str:

@@ -4,9 +4,8 @@ from typing import Annotated
 
 import typer
 
-from ..errors import RunError
 from .options import Algorithm, Json, Out
-from .show import note, report
+from .show import conclude, report
 
 
 def simulate(
@@ -17,11 +16,9 @@ def simulate(
     out: Out = None,
     as_json: Json = False,
 ) -> None:
-    """Fly any system of FMI 2.0 co-simulation FMUs; write signals and run.json to results/FILE."""
+    """Fly any system of FMI 2.0 co-simulation FMUs; write signals and run.json to results/simulate/FILE."""
     from ..ssp.simulate import simulate as fly
 
-    summary, message = fly(file, step, stop, algorithm, out)
+    summary, message, trouble = fly(file, step, stop, algorithm, out)
     report(summary, as_json)
-    if not summary["finished"]:
-        raise RunError(message)
-    note([message] if message else [])
+    conclude(summary["finished"], [message], trouble)

@@ -5,6 +5,7 @@
 A crash or a hang ends this process only. The parent then knows the probe from the last "begin" line and the call from
 the mark, and starts a new child for the remaining probes.
 """
+import re
 import sys
 from pathlib import Path
 
@@ -12,7 +13,10 @@ from . import probes  # noqa: F401  (importing the probes registers them)
 from .confined import guarded
 from .fmi2 import DISCARD, FATAL, PENDING, Mark
 from .job import Job
-from .probes.bench import PROBES, Bench, CallFailed, NoInstance
+from .probes.bench import FLYING, PROBES, Bench, CallFailed, NoInstance
+
+LACKING = r"cannot open shared object file|version `.*' not found"  # what dlopen says of other libraries
+LICENCE = r"licen[cs]e"
 
 
 def work(text: str, answers: int) -> None:
@@ -35,9 +39,12 @@ def loads(bench: Bench) -> bool:
         return bench.library is not None
     except OSError as problem:
         reason = str(problem).replace(bench.job.library, Path(bench.job.library).name)
+    if re.search(LACKING, reason):
+        bench.skip("everything dynamic", f"this machine lacks what the binary needs: {reason}")
+    else:
         severity = "warning" if bench.job.claims.get("needsExecutionTool") else None
         bench.fault("dynamic.load", "binaries", reason, "a library that loads", severity)
-        return False
+    return False
 
 
 def run_probe(bench: Bench, name: str) -> None:
@@ -50,11 +57,19 @@ def run_probe(bench: Bench, name: str) -> None:
     except CallFailed as failure:
         report_failure(bench, name, failure)
     except NoInstance:
-        # An FMU that needs a tool says nothing about the specification when the tool is not at hand.
-        severity = "warning" if bench.job.claims.get("needsExecutionTool") else None
-        bench.fault("dynamic.instantiate", "fmi2Instantiate", "a null pointer", "an instance", severity)
+        report_no_instance(bench)
     except Exception as problem:  # a fault of this checker is no finding about the FMU
         bench.skip(name, f"this checker failed with {type(problem).__name__}: {problem}")
+
+
+def report_no_instance(bench: Bench) -> None:
+    """Report a null pointer instead of an instance; without a licence or the tool that it needs, that is no breach."""
+    words = f": '{bench.library.words}'" if bench.library.words else ""
+    if re.search(LICENCE, words, re.IGNORECASE):
+        bench.skip("everything dynamic", f"this machine lacks a licence for the FMU{words}")
+        return
+    severity = "warning" if bench.job.claims.get("needsExecutionTool") else None
+    bench.fault("dynamic.instantiate", "fmi2Instantiate", f"a null pointer{words}", "an instance", severity)
 
 
 def report_failure(bench: Bench, name: str, failure: CallFailed) -> None:
@@ -65,7 +80,9 @@ def report_failure(bench: Bench, name: str, failure: CallFailed) -> None:
     expected = "fmi2OK" if failure.status != FATAL else "fmi2OK; fmi2Fatal makes every instance unusable"
     # A slave may discard a step that it cannot take (4.2.2), but then it does not run by its own default experiment.
     severity = "warning" if (failure.call, failure.status) == ("fmi2DoStep", DISCARD) else None
-    bench.fault("dynamic.legal-call", failure.call, str(failure), expected, severity)
+    impact = None if name in FLYING and failure.call != "fmi2Terminate" else "other tools refuse it"
+    words = f": '{bench.library.words}'" if bench.library.words else ""
+    bench.fault("dynamic.legal-call", failure.call, f"{failure}{words}", expected, severity, impact)
 
 
 if __name__ == "__main__":

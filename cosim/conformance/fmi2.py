@@ -7,15 +7,19 @@ import ctypes
 import mmap
 import os
 import struct
+import sys
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from ctypes import POINTER, byref, c_char_p, c_double, c_int, c_size_t, c_uint, c_void_p
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 OK, WARNING, DISCARD, ERROR, FATAL, PENDING = range(6)
 STATUS = ("fmi2OK", "fmi2Warning", "fmi2Discard", "fmi2Error", "fmi2Fatal", "fmi2Pending")
 
+MOST_WORDS = 300  # characters of a message that are shown
 MARK_BYTES = 72  # a counter and the name of the call, see `Mark`
 
 LOGGER = ctypes.CFUNCTYPE(None, c_void_p, c_char_p, c_int, c_char_p, c_char_p)
@@ -90,6 +94,16 @@ def unpacked(base: str, packed: bytes | list[Value]) -> list[Value]:
     return list((C_TYPES[base] * (len(packed) // ctypes.sizeof(C_TYPES[base]))).from_buffer_copy(packed))
 
 
+def formatter() -> Callable[[Any], object]:
+    """What lets a C function fill in the numbers and names of messages: fmpy's, where it is there (ctypes cannot)."""
+    folders = getattr(find_spec("fmpy"), "submodule_search_locations", None)
+    platform = {"nt": "win64"}.get(os.name, "darwin64" if sys.platform == "darwin" else "linux64")
+    for file in Path(folders[0], "logging", platform).glob("logging.*") if folders else ():
+        with suppress(OSError, AttributeError):
+            return ctypes.CDLL(str(file)).addLoggerProxy  # type: ignore[no-any-return]
+    return lambda _callbacks: None
+
+
 class Library:
     """A loaded shared library."""
 
@@ -101,6 +115,18 @@ class Library:
         libc = ctypes.CDLL("msvcrt") if os.name == "nt" else ctypes.CDLL(None)
         self.allocate = ALLOCATE(("calloc", libc))  # type: ignore[arg-type]
         self.free_memory = FREE(("free", libc))  # type: ignore[arg-type]
+        self.messages: dict[int, Counter[tuple[int, str]]] = {}  # by instance
+        self.words = ""  # the last message of a problem
+        self.logger = LOGGER(self.take_message)  # one for all instances: it must outlive each of them
+        self.format_messages = formatter()
+
+    def take_message(self, environment: int | None, _name: Any, status: int, category: bytes | None,
+                     message: bytes | None) -> None:
+        """Count a message of the instance `environment`; without one, of the last that was made."""
+        counted = self.messages.get(environment or 0) or self.messages[max(self.messages)]
+        counted[status, (category or b"").decode("utf-8", "replace")] += 1
+        if status != OK and message:
+            self.words = " ".join(message.decode("utf-8", "replace").split())[:MOST_WORDS]
 
     def text(self, name: str) -> str:
         """What fmi2GetVersion or fmi2GetTypesPlatform returns."""
@@ -111,12 +137,11 @@ class Library:
 
     def instantiate(self, name: str, guid: str, resources: str, logging_on: bool = False) -> "Instance | None":
         """fmi2Instantiate (2.1.5); None when the FMU returned a null pointer."""
-        messages: Counter[tuple[int, str]] = Counter()
-
-        def logger(_env: Any, _name: Any, status: int, category: bytes | None, _message: Any) -> None:
-            messages[status, (category or b"").decode("utf-8", "replace")] += 1
-
-        callbacks = Callbacks(LOGGER(logger), self.allocate, self.free_memory, None, None)
+        number = len(self.messages) + 1
+        messages = self.messages[number] = Counter()
+        self.words = ""
+        callbacks = Callbacks(self.logger, self.allocate, self.free_memory, None, number)
+        self.format_messages(byref(callbacks))
         self.mark.set("fmi2Instantiate")
         function = self.dll.fmi2Instantiate
         function.restype = c_void_p

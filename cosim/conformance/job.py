@@ -28,10 +28,12 @@ class Job:
     start: float
     stop: float | None
     step: float
+    tolerance: float  # of a trajectory by its own scale: what the FMU's solver may differ
     claims: dict[str, int]  # capability flags of 4.3.1 that are not false
     categories: list[str]  # names of the log categories
     variables: list[Known]
     probes: list[str]
+    steps: int  # of a run
     cycles: int  # how often the memory probe instantiates and frees
     patience: float  # seconds that a probe may use on repetitions
 

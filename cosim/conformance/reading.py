@@ -3,21 +3,10 @@ from pathlib import Path
 
 from lxml import etree
 
+from ..errors import UsageError
 from ..master.description import Description
 from ..master.xml_file import NotXml, fmpy_folder, prolog, root_of
-from .rule import ERROR, declare
 from .subject import Fault, Fmu
-
-declare("archive.readable", "2.3", ERROR, "The FMU is a zip file that can be read to its end.")
-declare("archive.paths", "2.3", ERROR, "No member of the archive leads outside of it.")
-declare("archive.size", "2.3", ERROR, "The archive unpacks to a size that can be handled.")
-declare("archive.encrypted", "2.3", ERROR, "No member of the archive is encrypted.")
-declare("archive.compression", "2.3", ERROR, "Members are stored or compressed by deflate.")
-declare("archive.model-description", "2.3", ERROR, "modelDescription.xml is at the root of the archive.")
-declare("xml.well-formed", "2.2", ERROR, "modelDescription.xml is well-formed XML.")
-declare("xml.entities", "2.2", ERROR, "modelDescription.xml needs no document type: no entities, no external files.")
-declare("xml.schema", "2.2", ERROR, "modelDescription.xml is valid against fmi2ModelDescription.xsd.")
-declare("xml.fmi-version", "2.2.1", ERROR, "fmiVersion is 2.0 (this checker knows no other version).")
 
 
 class Unusable(Exception):
@@ -30,7 +19,10 @@ class Unusable(Exception):
 
 
 def read(path: Path, folder: Path, members: list[str]) -> Fmu:
-    """The FMU at `path` that is unpacked in `folder`. Raises Unusable if its modelDescription.xml cannot be read."""
+    """The FMU at `path` that is unpacked in `folder`. Raises Unusable if its modelDescription.xml cannot be read.
+
+    Raises UsageError for FMI 3.0.
+    """
     xml = model_description(folder, members)
     encoding = declared_encoding(xml)
     try:
@@ -39,6 +31,8 @@ def read(path: Path, folder: Path, members: list[str]) -> Fmu:
         raise Unusable("xml.well-formed", Fault("modelDescription.xml", str(problem), "well-formed XML")) from None
     version = root.get("fmiVersion")
     if root.tag == "fmiModelDescription" and version is not None and version.strip() != "2.0":
+        if version.strip().startswith("3."):
+            raise UsageError(f"{path}: FMI 3.0 is not checked yet.")
         raise Unusable("xml.fmi-version", Fault("fmiVersion", f"'{version}'", "'2.0'"))
     return Fmu(path, folder, members, Description(root), encoding, schema_faults(root))
 

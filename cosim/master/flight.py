@@ -183,8 +183,8 @@ def fly(system: System, step: float, stop: float, algorithm: str | Method = "gau
     """Fly `system` from 0 to `stop` (s) in communication steps of `step` (s).
 
     `algorithm` is a word as in `algorithms.method`. `record` picks the variables to keep, by component.variable with *
-    for any (None: all numeric outputs), `decimate` every how many ticks; `stream` is a Parquet file to
-    write them to as they come, and then memory keeps a part only. `plain` takes the tick loop in Python. `real_time`
+    for any (None: all numeric outputs), `decimate` every how many ticks; `stream` is a file to write them to as they
+    come, see `recording.Stream`, and then memory keeps a part only. `plain` takes the tick loop in Python. `real_time`
     paces the run, times that factor. `recorder` makes another place for the rows, and `begun` is told before the first
     tick what is known by then, with the FMU calls of the programs; `flown` is told the flight before its FMUs
     are ended.
@@ -213,7 +213,7 @@ def fly(system: System, step: float, stop: float, algorithm: str | Method = "gau
 
 
 def make_recorder(columns: list[Signal], stream: Path | None) -> Recorder:
-    """Rows into memory, or into the Parquet file `stream`."""
+    """Rows into memory, or into the file `stream`."""
     return Recorder(columns) if stream is None else Stream(columns, stream)
 
 
@@ -234,6 +234,7 @@ def fly_loaded(master: Master, chosen: Method, step: float, ticks: int, progress
                         parameters={i.name: inquire(i) for i in master.instances}, fmus=origins(master),
                         periods=chosen.periods(step))
         flight.startup_s = time.perf_counter() - began
+        recorder.about(known_of(flight))
         if begun:
             begun(flight, master.calls())
         recorder.add(0.0, master.row())
@@ -244,11 +245,25 @@ def fly_loaded(master: Master, chosen: Method, step: float, ticks: int, progress
     began = time.perf_counter()
     flight.message, flight.ended_at = advance(running, experiment, progress, pace)
     flight.wall_s = time.perf_counter() - began
-    flight.time, flight.signals = recorder.finish()
     flight.finished, flight.ticks = not flight.message or flight.ended_at is not None, running.ticks
     flight.reached = running.time if flight.ended_at is None else flight.ended_at
+    take_rows(flight, recorder)
     flight.lateness = pace.report() if pace else None
     return flight
+
+
+def known_of(flight: Flight) -> dict[str, Any]:
+    """What is known of a flight before its first row, as JSON goes."""
+    return {"fmus": flight.fmus, "parameters": flight.parameters, "periods": flight.periods,
+            "startup_s": flight.startup_s}
+
+
+def take_rows(flight: Flight, recorder: Recorder) -> None:
+    """End the recording. A flight whose rows did not all find room is not finished."""
+    flight.time, flight.signals = recorder.finish()
+    if recorder.trouble:
+        flight.finished = False
+        flight.message = f"{flight.message.rstrip('.')}; {recorder.trouble}" if flight.message else recorder.trouble
 
 
 def advance(algorithm: Algorithm, experiment: Experiment, progress: Progress | None, pace: Pace | None

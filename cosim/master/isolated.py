@@ -18,9 +18,9 @@ import numpy as np
 from ..errors import RunError, UsageError
 from . import last_call
 from . import program as P
-from .flight import Flight, fly, interruptions, make_recorder
+from .flight import Flight, fly, interruptions, known_of, make_recorder, take_rows
 from .progress import Progress
-from .recording import CHUNK_ROWS, Recorder
+from .recording import CHUNK_ROWS, NoRoom, Recorder
 from .system import System
 from .wiring import Signal
 
@@ -119,6 +119,9 @@ class Parent:
                 except EOFError:
                     _, status = os.waitpid(self.child, 0)
                     return self.broken(f"{cause_of_death(status)} in")
+                except NoRoom as error:
+                    self.kill()
+                    return self.ended(str(error))
                 now = self.position()
                 if now != seen or self.place.stage[0] == last_call.OUTSIDE:
                     seen, since = now, time.monotonic()
@@ -146,6 +149,7 @@ class Parent:
         elif kind == "head":
             self.head, self.calls = rest
             self.recorder = make_recorder(self.head.columns, self.stream)
+            self.recorder.about(known_of(self.head))
         elif kind == "rows":
             assert self.recorder is not None
             self.recorder.keep(*rest)
@@ -157,26 +161,31 @@ class Parent:
         elif kind == "end":
             assert self.recorder is not None
             flight: Flight = rest[0]
-            flight.time, flight.signals = self.recorder.finish()
+            take_rows(flight, self.recorder)
             return flight
         return None
 
     def broken(self, how: str) -> Flight:
-        """The flight as far as it came, of a process that is gone; `how` is the verb of the message.
-
-        Raises RunError if the process ended before the first tick.
-        """
+        """The flight as far as it came, of a process that is gone; `how` is the verb of the message. See `ended`."""
         message = self.place.read(last_call.LOGGED)
-        sentence = f"{self.told(how)}{f'; it had said: {message}' if message else ''}"
+        return self.ended(f"{self.told(how)}{f'; it had said: {message}' if message else ''}")
+
+    def ended(self, sentence: str) -> Flight:
+        """The flight as far as it came, of a process that is gone; `sentence` says why.
+
+        Raises RunError with it if the process ended before the first tick.
+        """
         if self.head is None or self.recorder is None:
             raise RunError(sentence)
         tick, _, used, _, _, _, steps = self.place.cursor.tolist()
         columns = self.head.columns
         if used and (len(columns) + 1) * (CHUNK_ROWS + 1) <= len(self.place.doubles):
             rows = self.place.doubles[CHUNK_ROWS + 1:][:used * len(columns)].reshape(-1, len(columns))
-            self.recorder.keep(self.place.doubles[:used].copy(), rows.copy())
+            try:
+                self.recorder.keep(self.place.doubles[:used].copy(), rows.copy())
+            except NoRoom as error:
+                sentence = f"{sentence.rstrip('.')}; {error}"
         flight = self.head
-        flight.time, flight.signals = self.recorder.finish()
         if self.flown:  # what follows is the end of its FMUs
             sentence = f"{flight.message.rstrip('.')}; then {sentence}" if flight.message else sentence
         else:
@@ -184,6 +193,7 @@ class Parent:
             flight.ticks, flight.wall_s = tick if steps < 0 else steps, time.perf_counter() - self.begun
             flight.reached = start + tick * step
         flight.finished, flight.message = False, sentence
+        take_rows(flight, self.recorder)
         return flight
 
     def told(self, how: str) -> str:

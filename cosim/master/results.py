@@ -1,6 +1,6 @@
-"""Writes a run to its folder: signals.parquet, signals.csv, run.json, figures/*.png."""
-import json
+"""What a flight leaves in its folder: signals.parquet, signals.csv, run.json; figures are `vehicle.figures`' part."""
 import platform
+from collections.abc import Sequence
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -9,24 +9,14 @@ import pyarrow as pa
 import pyarrow.csv
 import pyarrow.parquet
 
-from ..errors import UsageError
-from .recording import schema
+from .publish import OWN, ROWS, Fill, Published, publish
+from .recording import schema, to_parquet
 
 if TYPE_CHECKING:
     from .flight import Flight
 
+SIGNALS = "signals.parquet"
 PACKAGES = ("ahv", "fmpy", "pythonfmu", "numpy", "casadi")
-
-
-def prepare_folder(out: Path) -> None:
-    """Make `out` and see that it can be written to; UsageError if not, before anything flies."""
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-        probe = out / ".probe"
-        probe.touch()
-        probe.unlink()
-    except OSError as error:
-        raise UsageError(f"--out {out} cannot be written to: {error.strerror}.") from None
 
 
 def table(flight: "Flight", decimate: int = 1) -> pa.Table:
@@ -36,13 +26,12 @@ def table(flight: "Flight", decimate: int = 1) -> pa.Table:
     return pa.Table.from_arrays([pa.array(a) for a in arrays], schema=schema(flight.columns))
 
 
-def write(out: Path, flight: "Flight", summary: dict[str, Any], decimate: int = 1, streamed: bool = False) -> None:
-    """Write the signals (unless they were `streamed` there) and run.json below `out`; figures are `vehicle.figures`'
-    part."""
-    if not streamed:
-        signals = table(flight, decimate)
-        pyarrow.parquet.write_table(signals, out / "signals.parquet")
-        pyarrow.csv.write_csv(signals, out / "signals.csv")
+def write(folder: Path, kind: str, flight: "Flight", summary: dict[str, Any], decimate: int = 1,
+          extras: Sequence[Fill] = (), streamed: bool = False) -> Published:
+    """Publish the signals (or the rows that were `streamed` there), run.json with `summary`, and what `extras` write.
+
+    Raises RunError, one sentence, if there is no room for the signals anywhere.
+    """
     record = {
         **summary,
         "message": flight.message,
@@ -54,4 +43,14 @@ def write(out: Path, flight: "Flight", summary: dict[str, Any], decimate: int = 
         "signals": {c.name: {"unit": c.unit, "description": c.description} for c in flight.columns},
         "versions": {"python": platform.python_version(), **{name: version(name) for name in PACKAGES}},
     }
-    (out / "run.json").write_text(json.dumps(record, indent=2) + "\n")
+    if streamed:
+        rows = folder / OWN / ROWS
+        return publish(folder, kind, record, lambda place: to_parquet(rows, place / SIGNALS), extras, streamed=True)
+    signals = table(flight, decimate)
+    return publish(folder, kind, record, lambda place: write_parquet(signals, place / SIGNALS),
+                   [lambda place: pyarrow.csv.write_csv(signals, (place / "signals.csv").absolute()), *extras])
+
+
+def write_parquet(signals: pa.Table, path: Path) -> None:
+    """Write a table. Raises OSError."""
+    pyarrow.parquet.write_table(signals, path.absolute())  # pyarrow takes ~ at the beginning for the home folder

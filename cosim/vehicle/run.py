@@ -4,9 +4,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from ..errors import UsageError
 from ..master.flight import Flight
+from ..master.folder import claimed, expanded
 from ..master.isolated import launch
 from ..master.progress import progress_bar
+from ..master.recover import asked, recovered
 from . import scenarios
 from .closed_loop import ClosedLoop, Values, closed_loop
 from .limits import explained
@@ -21,6 +24,7 @@ class Run:
     summary: dict[str, Any]
     out: Path
     notes: list[str]
+    trouble: str = ""   # results that did not find room, in one sentence
 
 
 def run(scenario: str | Scenario, controller: str = "neural", preset: Mapping[str, str] | str | None = None,
@@ -32,43 +36,72 @@ def run(scenario: str | Scenario, controller: str = "neural", preset: Mapping[st
 
     `controller` and `plant` are words of the registry or anybody's FMUs (NAME=FILE.fmu); `preset` is the controller's,
     or component -> name. `values` are set last: component -> variable -> value. `step`, `stop` are in s. The results
-    go to `out`, else to results/SCENARIO. Other arguments are those of `master.flight.fly`.
+    go to `out`, else to results/run/SCENARIO. Other arguments are those of `master.flight.fly`.
 
     Raises UsageError for what cannot be flown, RunError if an FMU does not start. A flight that ends early is a
     result: `flight.finished` is False and `flight.message` says why.
     """
-    from ..master.results import prepare_folder, write
-
     plan = scenarios.load(scenario) if isinstance(scenario, str) else scenario
     presets = {"controller": preset} if isinstance(preset, str) else dict(preset or {})
     loop = closed_loop(plan, controller, plant, flavour, presets, values, uncertainty)
-    folder = out or Path("results") / plan.name
-    prepare_folder(folder)
-    end = plan.stop if stop is None else stop
-    options: dict[str, Any] = {"decimate": decimate, "stream": folder / "signals.parquet"} if stream else {}
-    bar, tell = progress_bar(plan.name, end)
-    with bar:
-        flight = explained(launch(loop.system, step, end, algorithm, tell if progress else None,
-                                  isolate or loop.foreign, time_limit, plain=plain, real_time=real_time, **options))
-    summary = {**said_of(plan, loop, algorithm, step, end), **shown_by(flight), "out": str(folder),
-               **({"lateness": flight.lateness} if flight.lateness else {})}
-    write(folder, flight, {**summary, "presets": presets_of(loop)}, decimate, stream)
-    draw(folder, flight, plan, loop)
-    return Run(flight, summary, folder, [*loop.notes, *part_of_the_rows(flight, stream)])
+    with claimed(out, "run", plan.name) as folder:
+        end = plan.stop if stop is None else stop
+        said = said_of(plan, loop, algorithm, step, end)
+        options: dict[str, Any] = {}
+        if stream:
+            options = {"decimate": decimate, "stream": asked(folder, said)}
+        bar, tell = progress_bar(plan.name, end)
+        with bar:
+            flight = explained(launch(loop.system, step, end, algorithm, tell if progress else None,
+                                      isolate or loop.foreign, time_limit, plain=plain, real_time=real_time, **options))
+        notes = [*loop.notes, *part_of_the_rows(flight, stream)]
+        return kept(folder, flight, said, notes, decimate, stream)
+
+
+def recover(out: Path) -> Run:
+    """Make results of the rows in the folder `out` that a run with --stream left when it was killed.
+
+    Its figures of merit are computed from a part of the rows, as those of every streamed run. Raises UsageError if
+    there are no such rows, RunError if none is complete or there is no room.
+    """
+    folder = expanded(out)
+    if not folder.is_dir():
+        raise UsageError(f"There is no folder {folder}.")
+    with claimed(folder, "run", "", recover=True):
+        if (found := recovered(folder)) is None:
+            raise UsageError(f"{folder} has no rows of a flight that was killed.")
+        flight, said = found
+        return kept(folder, flight, said, part_of_the_rows(flight, True), stream=True)
+
+
+def kept(folder: Path, flight: Flight, said: dict[str, Any], notes: list[str], decimate: int = 1, stream: bool = False
+         ) -> Run:
+    """The flight with its figures of merit, in a claimed folder; `said` is what run.json says of the request."""
+    from ..master.results import write
+
+    said = dict(said)
+    presets, first_figure = said.pop("presets"), said.pop("first_figure")
+    summary = {**said, **shown_by(flight), **({"lateness": flight.lateness} if flight.lateness else {})}
+    preset = f" ({said['preset']})" if said["preset"] else ""
+    title = f"{said['scenario']}, {said['controller']}{preset}"
+    published = write(folder, "run", flight, {**summary, "presets": presets}, decimate,
+                      [lambda place: draw(place, flight, title, first_figure)], stream)
+    return Run(flight, {**summary, "out": str(published.folder)}, published.folder, notes, published.trouble)
 
 
 def said_of(plan: Scenario, loop: ClosedLoop, algorithm: str, step: float, stop: float
             ) -> dict[str, Any]:
-    """What run.json says of the request."""
+    """What run.json says of the request, and the number of the first figure."""
     return {"scenario": plan.name, "controller": loop.controller, "preset": loop.preset, "flavour": loop.flavour,
-            "algorithm": algorithm, "step_s": step, "stop_s": stop}
+            "algorithm": algorithm, "step_s": step, "stop_s": stop, "presets": presets_of(loop),
+            "first_figure": plan.first_figure}
 
 
 def shown_by(flight: Flight) -> dict[str, Any]:
     """What run.json says of the flight."""
     return {"ticks": flight.ticks, "finished": flight.finished,
             "departed_at_s": None if flight.finished else flight.reached, "ended_at_s": flight.ended_at,
-            **metrics(flight), "real_time_factor": flight.reached / flight.wall_s if flight.ticks else 0.0}
+            **metrics(flight), "real_time_factor": flight.reached / flight.wall_s if flight.wall_s else None}
 
 
 def part_of_the_rows(flight: Flight, stream: bool) -> list[str]:
@@ -84,9 +117,8 @@ def presets_of(loop: ClosedLoop) -> dict[str, dict[str, str]]:
     return {component: {"name": name, "from": loop.preset_from[component]} for component, name in loop.presets.items()}
 
 
-def draw(folder: Path, flight: Flight, plan: Scenario, loop: ClosedLoop) -> None:
+def draw(folder: Path, flight: Flight, title: str, first_figure: int | None) -> None:
     """The scenario's figures into `folder`."""
     from .figures import write  # matplotlib is slow to import
 
-    preset = f" ({loop.preset})" if loop.preset else ""
-    write(folder, flight, f"{plan.name}, {loop.controller}{preset}", plan.first_figure)
+    write(folder, flight, title, first_figure)

@@ -2,9 +2,11 @@
 from contextlib import AbstractContextManager, nullcontext
 from os.path import isfile
 from pathlib import Path
+from typing import Annotated
 
-from pydantic import BaseModel, ConfigDict, Field, PrivateAttr
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, PrivateAttr
 
+from .. import names
 from ..errors import UsageError, nearest
 from ..yaml_file import Source
 from .scenario_model import SCALES
@@ -16,7 +18,7 @@ class Scenario(BaseModel):
     """A flight: how long, which presets, which values. Components are scenario, controller and plant."""
     model_config = ConfigDict(extra="forbid", frozen=True)
 
-    name: str = Field(pattern=r"^\w[\w .-]*$", max_length=100)
+    name: Annotated[str, AfterValidator(names.checked)]
     stop: float = Field(gt=0, allow_inf_nan=False, description="s")
     presets: dict[str, str] = Field(default={}, description="component -> preset of its FMU")
     set: dict[str, float | bool | str] = Field(default={}, description="component.variable -> value")

@@ -21,7 +21,7 @@ import numpy as np
 
 from ..errors import RunError, UsageError
 from ..master.fmu import FmuFile
-from ..master.results import prepare_folder
+from ..master.folder import claimed
 from ..master.system import System
 from ..master.whole_file import whole
 from . import scenarios
@@ -191,40 +191,40 @@ def tune(law: str, preset: str | None = None, flights: str = "independent", gain
     if not 0 < sigma <= LARGEST_SIGMA:
         raise UsageError(f"--sigma {sigma:g} is not allowed: it must be a positive number, at most {LARGEST_SIGMA:g}.")
     chosen = SETS[choice("flights", flights, SETS)]
-    name = law.rpartition("=")[0] or Path(law).stem
     preset = preset or (LAWS[law].preset if law in LAWS else None)
     presets = {"controller": preset} if preset else {}
     needed = {flown.scenario for flown in (*chosen.fixed, *chosen.drawn)}
     loops = {scenario: closed_loop(scenarios.load(scenario), law, presets=presets) for scenario in sorted(needed)}
     systems, free = prepared({scenario: loop.system for scenario, loop in loops.items()}, law, gain)
-    folder = out or Path("results") / "tune" / name
-    prepare_folder(folder)
+    name = next(iter(loops.values())).controller
     seeds = {use: 10 * seed + k for k, use in enumerate(("training", "test", "fresh"))}
     counts = {"training": draws, "test": 2 * draws, "fresh": 4 * draws}
     drawn = {use: vehicles(chosen, counts[use], seeds[use]) for use in seeds}
     record: dict[str, Any] = {
-        "law": name, "preset": preset, "flights": flights, "seed": seed, "sigma": sigma, "budget": evaluations,
-        "draws": {use: {"seed": seeds[use], "count": len(drawn[use])} for use in seeds}, "status": "running"}
+        "kind": "tune", "law": name, "preset": preset, "flights": flights, "seed": seed, "sigma": sigma,
+        "budget": evaluations, "draws": {use: {"seed": seeds[use], "count": len(drawn[use])} for use in seeds},
+        "status": "running"}
 
-    def keep(**more: Any) -> None:
-        record.update(more)
-        with whole(folder / "tune.json") as partial:
-            partial.write_text(json.dumps(record, indent=2) + "\n")
+    with claimed(out, "tune", name) as folder:
+        def keep(**more: Any) -> None:
+            record.update(more)
+            with whole(folder / "tune.json") as partial:
+                partial.write_text(json.dumps(record, indent=2) + "\n")
 
-    try:
-        with flying(systems, workers) as evaluate:
-            for state in searched(free, drawn["training"], drawn["test"], list(chosen.fixed), evaluate, evaluations,
-                                  seed, sigma):
-                keep(**state)
-                tell(f"{state['evaluations']} of {evaluations} evaluations, cost: training "
-                     f"{state['training_cost']:.4f}, test {state['test_cost']:.4f}")
-            if drawn["fresh"]:
-                keep(fresh={who: shares(flown_one_by_one(evaluate, gains, drawn["fresh"])) for who, gains in (
-                    ("start", record["start"]["gains"]), ("tuned", record["gains"]))})
-    except KeyboardInterrupt:
-        keep(status="interrupted")
-        raise RunError(f"Interrupted; the best gains so far are in {folder / 'tune.json'}.") from None
-    keep(status="finished")
+        try:
+            with flying(systems, workers) as evaluate:
+                for state in searched(free, drawn["training"], drawn["test"], list(chosen.fixed), evaluate, evaluations,
+                                      seed, sigma):
+                    keep(**state)
+                    tell(f"{state['evaluations']} of {evaluations} evaluations, cost: training "
+                         f"{state['training_cost']:.4f}, test {state['test_cost']:.4f}")
+                if drawn["fresh"]:
+                    keep(fresh={who: shares(flown_one_by_one(evaluate, gains, drawn["fresh"])) for who, gains in (
+                        ("start", record["start"]["gains"]), ("tuned", record["gains"]))})
+        except KeyboardInterrupt:
+            keep(status="interrupted")
+            raise RunError(f"Interrupted; the best gains so far are in {folder / 'tune.json'}.") from None
+        keep(status="finished")
     return {**record, "out": str(folder)}
 
 

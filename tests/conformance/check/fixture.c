@@ -73,6 +73,7 @@ static void start_values(Fmu *f) {
     memset(&f->d, 0, sizeof f->d);
     f->d.r[X] = BUG(RESET_FORGETS) && f->mode ? keep : 1.0;
     f->d.r[K] = BUG(START_VALUE) ? 0.6 : 0.5;
+    f->d.r[U] = BUG(ZERO_INPUT) ? 1.0 : 0.0;
     f->d.r[GAIN] = 2.0;
     f->d.r[G] = 9.81;
     f->d.b[ON] = 1;
@@ -108,6 +109,10 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
     (void)name, (void)resources, (void)visible;
     if (type != fmi2CoSimulation || (strcmp(guid, GUID) && !BUG(ANY_GUID))) return NULL;
     if (BUG(NO_INSTANCE) || (BUG(ONE_INSTANCE) && instances > 0)) return NULL;
+    if (BUG(NO_LICENCE)) {
+        functions->logger(functions->componentEnvironment, name, fmi2Error, "logStatusError", "no %s: %d", "licence", 7);
+        return NULL;
+    }
     Fmu *f = calloc(1, sizeof *f);
     if (!f) return NULL;
     instances++;
@@ -130,7 +135,8 @@ void fmi2FreeInstance(fmi2Component c) {
     }
     instances--;
     if (!BUG(LEAK)) free(f->heap);
-    free(f);
+    if (BUG(SMALL_LEAK)) memset(malloc(32), 1, 32);
+    if (!BUG(KEEPS_INSTANCE)) free(f);
 }
 
 fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t n, const fmi2String categories[]) {
@@ -162,7 +168,7 @@ fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
 fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
     Fmu *f = c;
     ALLOW(INITIALIZING);
-    if (BUG(EXIT_FAILS)) return fmi2Error;
+    if (BUG(EXIT_FAILS) || (BUG(ZERO_INPUT) && f->d.r[U] == 0.0)) return fmi2Error;
     calculate(f);
     f->mode = STEPPING;
     return fmi2OK;
@@ -298,7 +304,9 @@ fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *state) {
 fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate state) {
     Fmu *f = c, *from = state;
     double hidden = f->d.hidden;
+    Data now = f->d;
     f->d = from->d;
+    if (BUG(STATE_INPUTS)) f->d.r[U] = now.r[U], f->d.r[GAIN] = now.r[GAIN], f->d.b[ON] = now.b[ON];
     f->mode = from->mode;
     if (BUG(STATE_FORGETS) && !from->from_bytes) f->d.hidden = hidden;
     return fmi2OK;
@@ -321,6 +329,7 @@ fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate state, size_
 fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate state, fmi2Byte data[], size_t size) {
     (void)c;
     memcpy(data, state, size);
+    if (BUG(SERIALIZE_FORGETS)) ((Fmu *)data)->d.hidden = 0.0;
     if (BUG(SERIALIZE_ROUNDS)) ((Fmu *)data)->d.r[X] = (float)((Fmu *)data)->d.r[X];
     return fmi2OK;
 }
