@@ -71,7 +71,7 @@ def recover(out: Path) -> Run:
         if (found := recovered(folder)) is None:
             raise UsageError(f"{folder} has no rows of a flight that was killed.")
         flight, said = found
-        return kept(folder, flight, said, part_of_the_rows(flight, True), stream=True)
+        return kept(folder, explained(flight), said, part_of_the_rows(flight, True), stream=True)
 
 
 def kept(folder: Path, flight: Flight, said: dict[str, Any], notes: list[str], decimate: int = 1, stream: bool = False
