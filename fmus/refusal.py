@@ -55,11 +55,13 @@ def out_of_range(v: Variable, value: float) -> str | None:
 
 
 def unwired(v: Variable, value: float) -> str | None:
-    """Why the model cannot start with `value` at its input `v`, or None. Importers write zeros where nothing is wired,
-    and some do before they have the values."""
-    if out_of_range(v, value) is None:
-        return None
+    """A question about the input `v` if `value` is outside its range, or None. Importers write zeros where nothing is
+    wired, and some do before they have the values."""
+    return f"{v.name} = {with_unit(v, value)}: is it wired?" if out_of_range(v, value) else None
+
+
+def startable(v: Variable) -> str:
+    """With which values of the input `v` the model starts."""
     low, high = (f"{infinite if limit is None else v.displayed(limit):.6g}"
                  for infinite, limit in ((-inf, v.minimum), (inf, v.maximum)))
-    return (f"{v.name} = {with_unit(v, value)}: is it wired? It starts with {v.name} from {low} to "
-            f"{high}{v.unit_suffix}, set before initialisation ends")
+    return f"It starts with {v.name} from {low} to {high}{v.unit_suffix}, set before initialisation ends"

@@ -4,6 +4,7 @@
 """
 import contextlib
 import io
+import os
 import signal
 import sys
 import tempfile
@@ -48,7 +49,8 @@ def fault(status: int, seconds: float, said: str) -> str:
         return f"exit status {status}"
     if "Traceback" in said:
         return "a traceback"
-    if seconds > LONGEST:
+    busy = max(1.0, os.getloadavg()[0] / (os.cpu_count() or 1))  # how many share a processor
+    if seconds > LONGEST * busy:
         return f"{seconds:.1f} s"
     ours = [line for line in said.splitlines() if line.startswith("ahv: ")]
     if status == 2 and not ours and "Usage:" not in said:
@@ -77,7 +79,7 @@ def tally(kind: str, first: int, last: int, folder: Path) -> Tally:
         for k in range(first, last):
             bad = drawn(kind, k, folder)
             status, seconds, said = tried(bad)
-            if seconds > LONGEST:  # the machine may have been busy
+            if seconds > LONGEST:
                 status, seconds, said = tried(bad)
             found.ended[status] = found.ended.get(status, 0) + 1
             found.slowest = max(found.slowest, seconds)

@@ -14,6 +14,7 @@ import yaml
 from altered import redescribed
 from wrong_words import (
     ALGORITHMS,
+    ATTRIBUTES,
     BETWEEN,
     CAMPAIGN,
     CHOICES,
@@ -25,6 +26,7 @@ from wrong_words import (
     NUMBERS,
     OPTIONS,
     SCENARIO,
+    STRUCTURE,
     SYNTAX,
     TERMS,
     UNITS,
@@ -220,41 +222,48 @@ def expression(r: random.Random, folder: Path) -> list[str]:
     return ["campaign", str(file)]
 
 
+def odd(r: random.Random, xml: bytes, fields: list[str]) -> tuple[str, str]:
+    """A text in `xml`, and what to put in its place: another encoding, or one of `fields` with an odd value."""
+    if r.random() < 0.25:
+        return 'encoding="UTF-8"', f'encoding="{r.choice(ENCODINGS)}"'
+    field = r.choice([field for field in fields if field.encode() in xml])
+    name = field.partition("=")[0] if field.endswith('"') else field
+    begin = f'{name}="' if field.endswith('"') else field
+    end = '"' if field.endswith('"') else ""
+    values = [begin + value + end for value in ATTRIBUTES]
+    return field, r.choice([*values, "", f"{field} {field}", "<!--", "<a>" * 5000, "<!DOCTYPE a>"])
+
+
 def description(r: random.Random, folder: Path) -> list[str]:
     """An FMU whose modelDescription.xml is odd."""
-    file = folder / "odd.fmu"
     fmu = fmu_path("native", "AhvController")
-    if r.random() < 0.35:
-        swap = ('encoding="UTF-8"', f'encoding="{r.choice(ENCODINGS)}"')
-    else:
-        field = r.choice(FIELDS)
-        if '="' in field and not field.endswith('"'):
-            field, new = field[:-1], field[:-1] + "x"
-        name = field.partition("=")[0]
-        new = r.choice([f'{name}="{"x" * 100_000}"', f'{name}="1e999"', f'{name}=""', f'{name}="-1"',
-                        f'{name}="&#x2028;"',
-                        f'{name}="../x"', f'{name}="{"9" * 5000}"', f'{name}="nan"', "", f"{field} {field}",
-                        "<!--", "\0",
-                        f'{name}="1 2 3"', "<a>" * 5000, "&#0;", f'{name}="\u202e"', f'{name}="%s"'])
-        swap = (field, new)
-    if swap[0].encode() not in text_of(fmu):
-        swap = ("<ModelVariables>", "<ModelVariables>" + "<ScalarVariable/>" * r.randint(1, 3))
-    redescribed(fmu, file, swap)
+    file = redescribed(fmu, folder / "odd.fmu", odd(r, text_of(fmu, "modelDescription.xml"), FIELDS))
     return r.choice([["info", str(file)], ["check", "--no-dynamic", str(file)],
-                     ["run", "hold", "--stop", "0.02", "--out", str(folder / "set"), "--controller", f"odd={file}"],
-                     ["ssp", "hold", "--out", str(folder / "odd.ssp"), "--controller", f"odd={file}"]])
+                     ["ssp", "hold", "--controller", f"odd={file}"],
+                     ["run", "hold", "--stop", "0.02", "--out", str(folder / "set"), "--controller", f"odd={file}"]])
 
 
-def text_of(fmu: Path) -> bytes:
-    """The modelDescription.xml of an FMU."""
-    with zipfile.ZipFile(fmu) as archive:
-        return archive.read("modelDescription.xml")
+def structure(r: random.Random, folder: Path) -> list[str]:
+    """An SSP whose SystemStructure.ssd is odd."""
+    whole = folder / "whole.ssp"
+    if not whole.exists():
+        ended(["ssp", "hold", "--out", str(whole)])
+    xml = text_of(whole, "SystemStructure.ssd")
+    file = redescribed(whole, folder / "odd.ssp", odd(r, xml, STRUCTURE), member="SystemStructure.ssd")
+    return ["simulate", str(file), "--stop", "0.02", "--step", "0.01", "--out", str(folder / "set")]
+
+
+def text_of(archive: Path, member: str) -> bytes:
+    """A member of an FMU or SSP."""
+    with zipfile.ZipFile(archive) as file:
+        return file.read(member)
 
 
 KINDS = {"command lines": (command_line, 600), "values with units": (setting, 250), "algorithms": (algorithms, 200),
          "scenario files": (scenario_file, 300), "campaign files": (campaign_file, 400),
          "expressions": (expression, 300),
-         "descriptions": (description, 150)}
+         "descriptions": (description, 150),
+         "systems": (structure, 100)}
 
 
 def drawn(kind: str, k: int, folder: Path) -> Bad:

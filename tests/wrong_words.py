@@ -30,12 +30,13 @@ COMMANDS = {  # command -> its arguments, its options: name -> what is drawn
     "ssp": (["hold", "--out", "out.ssp"], ["--controller", "--preset", "--flavour", "--plant", "--step#",
                                            "--uncertainty#", "--set"]),
     "check": (["nothing.fmu"], ["!", "--time-limit#", "--total-time-limit#", "--memory-limit#", "--file-limit#",
-                                "--process-limit#"]),
+                                "--process-limit#", "--explain", "--ignore", "--format", "--fail-on"]),
+    "recover": (["nothing"], ["!"]),
     "campaign": (["nothing.yaml"], ["!", "--scheduler", "--workers#", "--out"]),
     "tune": (["nobody"], ["--preset", "--flights", "--gain", "--evaluations#", "--draws#", "--seed#", "--sigma#",
                           "--workers#", "--out"]),
     "build": (["nobody"], ["!", "--flavour"]),
-    "bench": (["nothing"], ["!"]),
+    "bench": (["nothing"], ["--nonsense"]),
 }
 ALGORITHMS = ["gauss-seidel", "jacobi", "multi-rate", "variable", "iterated", "magic", "", "gauss_seidel"]
 OPTIONS = ["hold", "order", "tolerance", "passes", "rates", "controller", "plant", "scenario", "nobody", "", "h" * 2000]
@@ -77,6 +78,12 @@ EXPRESSIONS = ["-" * 990 + "1 < 2", "(" * 300 + "1" + ")" * 300, "not " * 240 + 
 ENCODINGS = ["UTF-7", "UTF-16", "UTF-32", "utf8", "idna", "punycode", "rot13", "hex", "zlib", "cp037",
              "EBCDIC-CP-US", "x" * 100_000,
              "", "latin-1", "unicode_escape", "mbcs", "undefined", "ASCII", "base64"]
+ATTRIBUTES = ["x" * 100_000, "1e999", "", "-1", "&#x2028;", "../x", "9" * 5000, "nan", "%00", "http://[", "\0", "1 2 3",
+              "&#0;", "\u202e", "%s", "%2e%2e/x", "file:///etc/passwd", "&x;"]
+STRUCTURE = ['name="plant"', 'source="resources/', 'startElement="plant"', 'startConnector="V"', 'kind="input"',
+             'stopTime="', '<ssd:Elements>', '<ssd:Connections>', 'version="1.0"',
+             'type="application/x-fmu-sharedlibrary"',
+             '<ssd:Connector ', 'unit="ft/s"', 'stepSize="']
 FIELDS = ['modelIdentifier="AhvController"', 'guid="', 'fmiVersion="2.0"', 'name="V"', 'valueReference="0"',
           'start="7700.0"',
           'causality="input"', 'variability="fixed"', 'unit="ft/s"', 'max="16000.0"', 'index="8"', 'initial="exact"',

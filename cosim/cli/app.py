@@ -5,7 +5,6 @@ request that cannot be carried out, 70 for what nobody foresaw, which then is in
 """
 import errno
 import os
-import re
 import signal
 import sys
 from typing import Annotated
@@ -13,6 +12,7 @@ from typing import Annotated
 import typer
 
 from ..errors import Interrupted, RunError, UsageError
+from ..master.quantities import is_number
 from ..text import sentence
 from . import bench, build, campaign, check, compare, info, linearize, recover, run, simulate, ssp, trim, tune
 from .unforeseen import UNFORESEEN, unforeseen
@@ -75,7 +75,7 @@ def done(words: list[str]) -> int:
     except OSError as error:
         if error.filename is None or error.errno not in REFUSED:
             return complain(unforeseen(error, words), UNFORESEEN)
-        return complain(f"{os.fsdecode(error.filename)}: {error.strerror}.", 2)
+        return complain(f"{error.filename}: {error.strerror}.", 2)
     except Exception as error:
         return complain(unforeseen(error, words), UNFORESEEN)
     return 0
@@ -91,7 +91,7 @@ def keep_output_apart() -> None:
 def with_factor(words: list[str]) -> list[str]:
     """`--real-time` with its factor, which is 1 where none is given."""
     for i, word in enumerate(words):
-        if word == "--real-time" and not re.fullmatch(r"\d*\.?\d+", words[i + 1] if i + 1 < len(words) else ""):
+        if word == "--real-time" and not is_number(words[i + 1] if i + 1 < len(words) else ""):
             return [*words[:i + 1], "1", *words[i + 1:]]
     return words
 

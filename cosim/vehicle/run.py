@@ -72,7 +72,7 @@ def recover(left: Path, out: Path | None = None) -> Run:
     `master.recover.recover` raises.
     """
     return recover_rows(left, out, "run", lambda folder, flight, said, rows: kept(
-        folder, flight, said, part_of_the_rows(flight, True), rows=rows))
+        folder, explained(flight), said, part_of_the_rows(flight, True), rows=rows))
 
 
 def kept(folder: Path, flight: Flight, said: dict[str, Any], notes: list[str], decimate: int = 1,

@@ -63,17 +63,14 @@ static int out_of_range(char reason[SENTENCE], const Variable *v, double value)
     return 1;
 }
 
-/* Why the model cannot start with `value` at its input `v`, written to `reason`; or 0. Importers write zeros where
-   nothing is wired, and some do before they have the values. */
-static int unwired(char reason[SENTENCE], const Variable *v, double value)
+/* A question about the input `v` if `value` is outside its range, written to `question`; or 0. Importers write zeros
+   where nothing is wired, and some do before they have the values. */
+static int unwired(char question[SENTENCE], const Variable *v, double value)
 {
-    char text[32], low[32], high[32];
-    if (!out_of_range(reason, v, value))
+    char text[32];
+    if (!out_of_range(question, v, value))
         return 0;
-    snprintf(reason, SENTENCE, "%s = %s%s: is it wired? It starts with %s from %s to %s%s, set before initialisation ends",
-             v->name, number(text, value * v->shown), v->unit, v->name,
-             number(low, v->minimum == -DBL_MAX ? -INFINITY : v->minimum * v->shown),
-             number(high, v->maximum == DBL_MAX ? INFINITY : v->maximum * v->shown), v->unit);
+    snprintf(question, SENTENCE, "%s = %s%s: is it wired?", v->name, number(text, value * v->shown), v->unit);
     return 1;
 }
 

@@ -11,7 +11,7 @@ ZEROS = dict.fromkeys(("V", "h", "gamma", "theta", "Q", "V_command", "h_command"
 
 
 @pytest.fixture(params=[(flavour, law) for flavour in FLAVOURS for law in LAWS], ids="-".join)
-def controller(request, native_fmus):
+def controller(request, native_fmus, python_fmus):
     flavour, law = request.param
     with FmuFile.open(fmu_path(flavour, LAWS[law].fmu)) as file:
         instance = Instance(file, "controller")
@@ -33,6 +33,14 @@ def test_a_measurement_that_is_not_wired_is_named(controller, values, said):
     with pytest.raises(RunError) as error:
         controller.simple("fmi2ExitInitializationMode")
     assert f"cannot start: {said}" in str(error.value)
+
+
+def test_a_measurement_that_is_lost_on_the_way_is_named(controller):
+    controller.simple("fmi2ExitInitializationMode")
+    controller.set({"V": 0.0})
+    with pytest.raises(RunError) as error:
+        controller.check(controller.do_step(controller.component, 0.0, 0.01, 1), "fmi2DoStep")
+    assert "V = 0 ft/s: is it wired? " in str(error.value) and "at t = 0.01 s" in str(error.value)
 
 
 def test_zeros_that_are_replaced_before_initialisation_ends_are_forgotten(controller):
