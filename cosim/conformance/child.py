@@ -29,7 +29,7 @@ def work(text: str, answers: int) -> None:
         if is_loaded:
             run_probe(bench, name)
         bench.note("end", name)
-        if not is_loaded or bench.library.is_corrupt or bench.is_single:
+        if not is_loaded or bench.is_over or bench.library.is_corrupt or bench.is_single:
             return  # the parent starts a new process for the remaining probes
 
 
@@ -67,6 +67,7 @@ def report_no_instance(bench: Bench) -> None:
     words = f": '{bench.library.words}'" if bench.library.words else ""
     if re.search(LICENCE, words, re.IGNORECASE):
         bench.skip("everything dynamic", f"this machine lacks a licence for the FMU{words}")
+        bench.is_over = True
         return
     severity = "warning" if bench.job.claims.get("needsExecutionTool") else None
     bench.fault("dynamic.instantiate", "fmi2Instantiate", f"a null pointer{words}", "an instance", severity)

@@ -83,6 +83,7 @@ class Bench:
         self.job = job
         self.answers = answers
         self.mark = mark
+        self.is_over = False  # nothing more can be tested
 
     @cached_property
     def library(self) -> Library:
