@@ -14,7 +14,8 @@ from . import probes  # noqa: F401  (importing the probes registers them)
 from .confined import guarded
 from .fmi2 import DISCARD, FATAL, PENDING, Mark
 from .job import Job
-from .probes.bench import FLYING, PROBES, Bench, CallFailed, NoInstance
+from .probes.bench import Bench
+from .probes.registry import FLYING, PROBES, CallFailed, NoInstance
 
 LACKING = r"cannot open shared object file|version `.*' not found"  # what dlopen says of other libraries
 LICENCE = r"licen[cs]e"

@@ -18,7 +18,7 @@ from . import probes  # noqa: F401  (importing the probes registers them)
 from .confined import Confined, Limits, sandbox, why
 from .fmi2 import MARK_BYTES, Mark
 from .job import Job, Known
-from .probes.bench import FLYING, PROBES
+from .probes.registry import FLYING, PROBES
 from .report import EVERYTHING, Finding, Report
 from .rule import ERROR, FORMAL, REFUSED, RULES, WARNING
 from .subject import Fault, Fmu

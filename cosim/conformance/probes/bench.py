@@ -5,17 +5,16 @@ call that fails raises `CallFailed`, which the child turns into a finding.
 """
 import json
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from ..fmi2 import (
     DISCARD,
     PENDING,
-    STATUS,
     WARNING,
     Instance,
     Library,
@@ -26,52 +25,13 @@ from ..fmi2 import (
 )
 from ..job import Job, Known
 from .compare import BITS, Column, Difference, worst_difference
+from .registry import CallFailed, NoInstance, status_name
 
 LONGEST_RUN_S = 2.0
 FEWEST_STEPS = 4
 ADDRESSES = (".base.lo", ".base.hi")  # how OSMP, of ASAM's OSI, hands over memory
-FLYING = ("load", "life")  # the probes without which nothing flies
 NOISE = 10.0  # a replay may differ by so many times what two fresh instances differ
 BASES = ("Real", "Integer", "Boolean", "String")
-
-
-class CallFailed(Exception):
-    """A legal call was refused."""
-
-    def __init__(self, call: str, status: int, where: str):
-        super().__init__(f"{call} returned {status_name(status)} {where}")
-        self.call = call
-        self.status = status
-
-
-class NoInstance(Exception):
-    """fmi2Instantiate returned a null pointer although the GUID was right."""
-
-
-class Probe(NamedTuple):
-    """`legal`: all its calls are legal, so a crash is the FMU's fault beyond doubt; `many`: needs several instances."""
-    name: str
-    run: "Run"
-    legal: bool
-    many: bool
-
-
-PROBES: dict[str, Probe] = {}
-
-
-def probe(name: str, legal: bool = True, many: bool = False) -> "Callable[[Run], Run]":
-    """Register a probe; probes run in the order of registration."""
-
-    def register(run: Run) -> Run:
-        PROBES[name] = Probe(name, run, legal, many)
-        return run
-
-    return register
-
-
-def status_name(status: int) -> str:
-    """A status as the standard spells it."""
-    return STATUS[status] if 0 <= status < len(STATUS) else f"the unknown status {status}"
 
 
 Row = dict[str, bytes | list[Value]]  # by type, packed as the FMU gave it, which is compared quickly
@@ -327,6 +287,3 @@ def moved(v: Known, share: float) -> float:
     value = start + 0.01 * scale * share
     value = value if v.low is None else max(v.low, value)
     return value if v.high is None else min(v.high, value)
-
-
-Run = Callable[[Bench], None]

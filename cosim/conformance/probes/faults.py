@@ -9,8 +9,9 @@ from functools import partial
 
 from ..fmi2 import ERROR, FATAL, WARNING, Instance, Value
 from ..job import Known
-from .bench import BASES, Bench, Row, probe, status_name
+from .bench import BASES, Bench, Row
 from .life import may_set
+from .registry import probe, status_name
 
 
 @probe("guid", legal=False)

@@ -4,8 +4,9 @@ import time
 
 from ..fmi2 import WARNING, Instance, Value
 from ..job import Known
-from .bench import Bench, Row, moved, probe, status_name
+from .bench import Bench, Row, moved
 from .compare import BITS, bits
+from .registry import probe, status_name
 
 
 @probe("load")

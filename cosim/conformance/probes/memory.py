@@ -8,7 +8,8 @@ from itertools import pairwise
 from pathlib import Path
 
 from ..fmi2 import Instance
-from .bench import Bench, probe
+from .bench import Bench
+from .registry import probe
 
 WARM_UP = 20  # cycles after which caches are filled
 PARTS = 4  # of the cycles, each of which must grow
