@@ -12,10 +12,10 @@ from typing import Annotated
 import typer
 
 from ..errors import RunError, UsageError
-from . import bench, build, campaign, check, compare, info, linearize, run, simulate, ssp, trim, tune
+from . import bench, build, campaign, check, compare, container, info, linearize, run, simulate, ssp, trim, tune
 
 app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False)
-for command in (run, compare, info, trim, linearize, simulate, ssp, check, campaign, tune, build):
+for command in (run, compare, info, trim, linearize, simulate, ssp, container, check, campaign, tune, build):
     app.command()(getattr(command, command.__name__.rpartition(".")[2]))
 app.command(context_settings={"allow_extra_args": True, "ignore_unknown_options": True})(bench.bench)
 
