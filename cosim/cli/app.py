@@ -14,7 +14,22 @@ import typer
 from ..errors import Interrupted, RunError, UsageError
 from ..master.quantities import is_number
 from ..text import sentence
-from . import bench, build, campaign, check, compare, info, linearize, recover, run, simulate, ssp, trim, tune
+from . import (
+    bench,
+    build,
+    campaign,
+    check,
+    compare,
+    container,
+    info,
+    linearize,
+    recover,
+    run,
+    simulate,
+    ssp,
+    trim,
+    tune,
+)
 from .unforeseen import UNFORESEEN, unforeseen
 
 # What the system says of a file that cannot be read or written where the user wants it.
@@ -24,7 +39,7 @@ REFUSED = (errno.ENOENT, errno.EACCES, errno.EPERM, errno.ENOTDIR, errno.EISDIR,
 ENDING = tuple(getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name))
 
 app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False)
-for command in (run, recover, compare, info, trim, linearize, simulate, ssp, check, campaign, tune, build):
+for command in (run, recover, compare, info, trim, linearize, simulate, ssp, container, check, campaign, tune, build):
     app.command()(getattr(command, command.__name__.rpartition(".")[2]))
 app.command(context_settings={"allow_extra_args": True, "ignore_unknown_options": True})(bench.bench)
 
