@@ -35,7 +35,8 @@ class Sender(Recorder):
         self.end = end
         if (len(columns) + 1) * (CHUNK_ROWS + 1) <= len(place.doubles):
             self.times = place.doubles[:CHUNK_ROWS + 1]
-            self.rows = place.doubles[CHUNK_ROWS + 1:][:(CHUNK_ROWS + 1) * len(columns)].reshape(-1, len(columns))
+            self.rows = place.doubles[CHUNK_ROWS + 1:][:(CHUNK_ROWS + 1) * len(columns)].reshape(
+                CHUNK_ROWS + 1, len(columns))  # columns may be none, so -1 cannot be found out
 
     def keep(self, times: np.ndarray, rows: np.ndarray) -> None:
         self.end.send(("rows", times, rows))
@@ -173,7 +174,7 @@ class Parent:
         tick, _, used, _, _, _, steps = self.place.cursor.tolist()
         columns = self.head.columns
         if used and (len(columns) + 1) * (CHUNK_ROWS + 1) <= len(self.place.doubles):
-            rows = self.place.doubles[CHUNK_ROWS + 1:][:used * len(columns)].reshape(-1, len(columns))
+            rows = self.place.doubles[CHUNK_ROWS + 1:][:used * len(columns)].reshape(used, len(columns))
             self.recorder.keep(self.place.doubles[:used].copy(), rows.copy())
         flight = self.head
         flight.time, flight.signals = self.recorder.finish()
