@@ -112,6 +112,26 @@ def write(buffers: Array, kind: int, a: int, k: int, number: float, whole: int) 
 
 
 @njit(cache=True, error_model="numpy")
+def take_in(groups: Array, g: int, where: Array, buffers: Array, signals: Array, exact: Array) -> None:
+    """The values of the group g, of any type but texts, into the signals. A function of its own for rarer types: the
+    kernel stays small, which is what makes it fast."""
+    kind, a = groups[g, KIND], groups[g, FIRST]
+    for p in range(a, a + groups[g, VALUES]):
+        signals[where[p]], exact[where[p]] = read(buffers, kind, a, p - a)
+
+
+@njit(cache=True, error_model="numpy")
+def hand_out(groups: Array, g: int, where: Array, factor: Array, offset: Array, buffers: Array, signals: Array,
+             exact: Array) -> Any:
+    """The signals into the values of the group g, of any type but texts; whether any has changed."""
+    kind, a, changed = groups[g, KIND], groups[g, FIRST], False
+    for p in range(a, a + groups[g, VALUES]):
+        s = where[p]
+        changed |= write(buffers, kind, a, p - a, factor[p] * signals[s] + offset[p], exact[s])
+    return changed
+
+
+@njit(cache=True, error_model="numpy")
 def in_event_mode(groups: Array, components: Array, events: Array, g: int, time: float) -> np.int64:
     """Event mode of the component g at `time` (s): inputs that have been offered, then discrete states; and back."""
     instance, place = components[g, INSTANCE], components[g, ANSWERS]
@@ -190,7 +210,7 @@ def kernel(ops: Array, groups: Array, components: Array, where: Array, factor: A
     number, counted from 1, `decimate` divides (0: none); a signal that is marked for later shows what it was before.
     Returns 0, or the status of the call that failed, which is any but OK and Warning; `cursor` tells where it is, see
     `program`."""
-    reals, wholes = buffers.view(np.float64), buffers.view(np.int32)
+    reals, wholes, floats = buffers.view(np.float64), buffers.view(np.int32), buffers.view(np.float32)
     for tick in range(first, first + count):
         cursor[TICK] = tick
         t = start + tick * step
@@ -198,34 +218,34 @@ def kernel(ops: Array, groups: Array, components: Array, where: Array, factor: A
             if ops[i, 2] != 1 and tick % ops[i, 2] != ops[i, 3]:
                 continue
             code, g = ops[i, 0], ops[i, 1]
+            u = np.uint64(g)  # saves the look whether an index counts from the end
             cursor[AT], cursor[CODE], cursor[INDEX] = i, code, g
             cursor[CALLS] += 1
             status = np.int64(0)
             if code == STEP:
-                if events[g, CHANGED] != 0:
+                if events[u, CHANGED] != 0:
                     status = in_event_mode(groups, components, events, g, t)
                 if status == 0 or status == 1:
-                    keep, place = np.int32(states[g] == 0), components[g, ANSWERS]  # not 0: it may be set back yet
-                    status = np.int64(call_step(components[g, DO_STEP], components[g, INSTANCE], t, ops[i, 4] * step,
+                    keep, place = np.int32(states[g] == 0), components[u, ANSWERS]  # not 0: it may be set back yet
+                    status = np.int64(call_step(components[u, DO_STEP], components[u, INSTANCE], t, ops[i, 4] * step,
                                                 keep, place, place + END_BYTE, place + EARLY_BYTE, place + 8 * REACHED))
-                    if events[g, FLAGS] != 0 and (status == 0 or status == 1):
+                    if events[u, FLAGS] != 0 and (status == 0 or status == 1):
                         status = step_on(groups, components, events, g, t, t + ops[i, 4] * step, keep)
             elif code == GET:
-                status = np.int64(call_5(groups[g, CALL], groups[g, POINTER], groups[g, REFERENCES], groups[g, COUNT],
-                                         groups[g, BUFFER], groups[g, VALUES]))
+                status = np.int64(call_5(groups[u, CALL], groups[u, POINTER], groups[u, REFERENCES], groups[u, COUNT],
+                                         groups[u, BUFFER], groups[u, VALUES]))
                 if status == 0 or status == 1:
-                    kind, a = groups[g, KIND], groups[g, FIRST]
+                    kind, a = groups[u, KIND], groups[u, FIRST]
                     if kind == REAL:
-                        for p in range(a, a + groups[g, VALUES]):
+                        for p in range(a, a + groups[u, VALUES]):
                             signals[where[p]] = reals[p]
                     elif kind == WHOLE:
-                        for p in range(a, a + groups[g, VALUES]):
+                        for p in range(a, a + groups[u, VALUES]):
                             signals[where[p]] = exact[where[p]] = wholes[a + p]
                     elif kind != TEXT:
-                        for p in range(a, a + groups[g, VALUES]):
-                            signals[where[p]], exact[where[p]] = read(buffers, kind, a, p - a)
+                        take_in(groups, g, where, buffers, signals, exact)
                     else:
-                        for p in range(a, a + groups[g, VALUES]):
+                        for p in range(a, a + groups[u, VALUES]):
                             if buffers[p] == 0:  # counts as an empty text
                                 texts[where[p], 0] = 0
                             else:
@@ -233,13 +253,13 @@ def kernel(ops: Array, groups: Array, components: Array, where: Array, factor: A
                             if texts[where[p], LAST_BYTE] != 0:
                                 status = np.int64(TOO_LONG)
             elif code <= SLOPE:
-                kind, a = groups[g, KIND], groups[g, FIRST]
+                kind, a = groups[u, KIND], groups[u, FIRST]
                 if kind == WHOLE:
-                    for p in range(a, a + groups[g, VALUES]):
+                    for p in range(a, a + groups[u, VALUES]):
                         wholes[a + p] = exact[where[p]]
                 elif kind in (REAL, FLOAT):
                     reach = 0.0 if code == SLOPE else 0.5 * (ops[i, 4] * step)
-                    for p in range(a, a + groups[g, VALUES]):
+                    for p in range(a, a + groups[u, VALUES]):
                         s = where[p]
                         value = signals[s]
                         if code != SET:
@@ -252,38 +272,31 @@ def kernel(ops: Array, groups: Array, components: Array, where: Array, factor: A
                         if kind == REAL:
                             reals[p] = factor[p] * value + offset[p]
                         else:
-                            write(buffers, kind, a, p - a, factor[p] * value + offset[p], 0)
+                            floats[a + p] = factor[p] * value + offset[p]
                 elif kind != TEXT:  # a text input points at its source already
-                    for p in range(a, a + groups[g, VALUES]):
-                        write(buffers, kind, a, p - a, 0.0, exact[where[p]])
-                status = np.int64(call_5(groups[g, CALL], groups[g, POINTER], groups[g, REFERENCES], groups[g, COUNT],
-                                         groups[g, BUFFER], groups[g, VALUES]))
+                    hand_out(groups, g, where, factor, offset, buffers, signals, exact)
+                status = np.int64(call_5(groups[u, CALL], groups[u, POINTER], groups[u, REFERENCES], groups[u, COUNT],
+                                         groups[u, BUFFER], groups[u, VALUES]))
                 if code == SLOPE and (status == 0 or status == 1):
-                    status = np.int64(call_5(groups[g, SET_SLOPES], groups[g, POINTER], groups[g, REFERENCES],
-                                             groups[g, COUNT], groups[g, ORDERS], groups[g, SLOPES]))
+                    status = np.int64(call_5(groups[u, SET_SLOPES], groups[u, POINTER], groups[u, REFERENCES],
+                                             groups[u, COUNT], groups[u, ORDERS], groups[u, SLOPES]))
             elif code == MARK:
-                for s in range(components[g, SLOTS_FROM], components[g, SLOTS_TO]):
+                for s in range(components[u, SLOTS_FROM], components[u, SLOTS_TO]):
                     before[s] = signals[s]
                 clock[g, 1] = clock[g, 0]
                 clock[g, 0] = t + ops[i, 4] * step
             elif code == SAVE:
                 if states[g] != 0:
-                    status = np.int64(call_2(components[g, FREE_STATE], components[g, INSTANCE], state_place + 8 * g))
+                    status = np.int64(call_2(components[u, FREE_STATE], components[u, INSTANCE], state_place + 8 * g))
                     states[g] = 0
                 if status == 0 or status == 1:
-                    status = np.int64(call_2(components[g, GET_STATE], components[g, INSTANCE], state_place + 8 * g))
+                    status = np.int64(call_2(components[u, GET_STATE], components[u, INSTANCE], state_place + 8 * g))
             elif code == RESTORE:
-                status = np.int64(call_2(components[g, SET_STATE], components[g, INSTANCE], states[g]))
-                events[g, CHANGED] = offers[g]  # the FMU has the inputs of that time
+                status = np.int64(call_2(components[u, SET_STATE], components[u, INSTANCE], states[g]))
+                events[u, CHANGED] = offers[g]  # the FMU has the inputs of that time
             elif code == OFFER:
-                kind, a, owner = groups[g, KIND], groups[g, FIRST], groups[g, OWNER]
-                if kind == TEXT:
-                    events[owner, CHANGED] = 1
-                else:
-                    for p in range(a, a + groups[g, VALUES]):
-                        s = where[p]
-                        if write(buffers, kind, a, p - a, factor[p] * signals[s] + offset[p], exact[s]):
-                            events[owner, CHANGED] = 1
+                if groups[u, KIND] == TEXT or hand_out(groups, g, where, factor, offset, buffers, signals, exact):
+                    events[groups[u, OWNER], CHANGED] = 1
             if status != 0 and status != 1:
                 return status
         if decimate > 0 and (tick + 1) % decimate == 0:
