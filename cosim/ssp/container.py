@@ -16,11 +16,11 @@ from typing import Any
 from fmus import pack
 
 from ..errors import UsageError, did_you_mean
+from ..master.connections import checked_connections
 from ..master.fmu import FmuFile
 from ..master.initialise import order
 from ..master.loaded import open_files
 from ..master.system import Connection, System
-from ..master.wiring import checked_connections
 from .container_description import RUNTIME, Port, description
 
 PLATFORMS = {"linux64": ("x86_64-linux", ".so"), "win64": ("x86_64-windows", ".dll"),
