@@ -15,8 +15,9 @@ import yaml
 from places import AHV
 from test_cases import ahv
 
-from cosim.campaign import engine
+from cosim.campaign import cluster, engine
 from cosim.campaign.plan import load
+from cosim.campaign.resume import prepare
 from cosim.campaign.store import Store
 from cosim.campaign.worker import JOBS, fly_batch, requests
 
@@ -187,7 +188,7 @@ def children(pid):
 
 
 def parts(out):
-    return len(list((out / "parts").glob("runs-*"))) if (out / "parts").exists() else 0
+    return len(list((out / "parts").glob("receipt-*"))) if (out / "parts").exists() else 0
 
 
 def begun(file, out, *words):
@@ -240,8 +241,8 @@ def test_a_run_that_kills_its_worker_is_a_row_and_costs_no_other(tmp_path, monke
     plan = load(written(tmp_path, runs=12, runs_per_task=4, controllers=["neural"], stop=1))
     monkeypatch.setattr(engine, "fly_batch", deadly)
     store = Store(tmp_path / "out", plan)
-    store.prepare(False, "")
-    with engine.connected(None, 2) as client:
+    prepare(store, False, "")
+    with cluster.local(store.work, 2, False) as client:
         engine.send(client, plan)
         engine.Engine(client, plan, store, lambda more, good: None).run()
     store.finish()
