@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pyarrow.parquet as pq
 import pytest
-import yaml
+from campaigns import tables, written
 from places import AHV
 from test_cases import ahv
 
@@ -21,24 +21,6 @@ from cosim.campaign.resume import prepare
 from cosim.campaign.store import Store
 from cosim.campaign.worker import JOBS, fly_batch, requests
 
-TABLES = ("runs.parquet", "signals.parquet", "errors.parquet")
-FILE = {
-    "name": "small", "scenario": "case1", "controllers": ["neural", "backstepping"], "stop": 10, "runs": 24, "seed": 3,
-    "sampling": "sobol", "runs_per_task": 2,
-    "dispersions": {
-        "plant.mass": {"distribution": "normal", "mean": 300, "std": 10},
-        "plant.CM_alpha": {"distribution": "uniform", "low": 0.5, "high": 1.5, "relative": True},
-        "scenario.scale_lift": {"distribution": "sinusoid", "amplitude": 0.4, "period": 40}},
-    "correlations": [{"draws": ["plant.mass", "plant.CM_alpha"], "coefficient": 0.5}],
-    "success": {"altitude": "altitude_error_ft.max_abs < 20"}, "signals": {"share": 0.2, "failures": True},
-}
-
-
-def written(folder, **changes):
-    folder.mkdir(exist_ok=True)
-    (folder / "campaign.yaml").write_text(yaml.dump({**FILE, **changes}, sort_keys=False))
-    return folder / "campaign.yaml"
-
 
 def fly(file, out, *words, status=0):
     return ahv("campaign", file, "--out", out, "--workers", 2, "--json", *words, status=status)
@@ -46,10 +28,6 @@ def fly(file, out, *words, status=0):
 
 def rows(out):
     return pq.read_table(out / "runs.parquet").to_pylist()
-
-
-def tables(out):
-    return [(out / name).read_bytes() for name in TABLES]
 
 
 @pytest.fixture(scope="module")
