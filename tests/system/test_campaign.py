@@ -183,8 +183,8 @@ def begun(file, out, *words):
 def clusters(tmp_path):
     made = []
     yield lambda: made.append(Cluster(tmp_path / f"cluster{len(made)}")) or made[-1]
-    for cluster in made:
-        cluster.stop()
+    for one in made:
+        one.stop()
 
 
 def test_a_killed_worker_then_scheduler_then_client_leave_the_same_tables(clusters, tmp_path):

@@ -66,7 +66,7 @@ def test_everything_ends_soon_and_resume_goes_on(whole, tmp_path, number, moment
     started = process.children(recursive=True)
     client.send_signal(number)
     printed, said = client.communicate(timeout=SOON_S)
-    gone, alive = psutil.wait_procs(started, SOON_S)
+    _, alive = psutil.wait_procs(started, SOON_S)
     assert alive == []
     if number == signal.SIGKILL:
         assert client.returncode == -number
