@@ -31,10 +31,14 @@ def campaign(path: Path, out: Path | None = None, scheduler: str | None = None, 
     folder = out or Path("results") / plan.campaign.name
     store = Store(folder, plan)
     with store.locked():
-        for sentence in prepare(store, resume, path.read_text()):
-            note(sentence)
-        flown, flying_s = (0, 0.0) if store.complete else fly(plan, store, scheduler, workers, tls, dashboard)
-        summary = reported(store)
+        try:
+            for sentence in prepare(store, resume, path.read_text()):
+                note(sentence)
+            flown, flying_s = (0, 0.0) if store.complete else fly(plan, store, scheduler, workers, tls, dashboard)
+            summary = reported(store)
+        except (KeyboardInterrupt, SystemExit):
+            note(f"Interrupted; {CONTINUE}.")
+            raise
     return {**summary, "runs_flown_now": flown, "flying_s": flying_s, "wall_s": time.perf_counter() - began,
             "out": str(folder)}
 
@@ -59,21 +63,17 @@ def fly(plan: Plan, store: Store, scheduler: str | None, workers: int | None, tl
     total = plan.campaign.runs * len(plan.laws)
     rows, successes = store.counts()
     began = time.perf_counter()
-    try:
-        if rows < total:
-            with connected(store, scheduler, workers, tls, dashboard) as client:
-                send(client, plan)
-                for sentence in check(client, plan) if rows == 0 else ():
-                    note(sentence)
-                began = time.perf_counter()
-                with shown(plan.campaign.name, total, rows, successes,
-                           client.dashboard_link if dashboard or (scheduler and on_terminal()) else None) as progress:
-                    Engine(client, plan, store, progress).run()
-        flying = time.perf_counter() - began
-        store.finish()
-    except (KeyboardInterrupt, SystemExit):
-        note(f"Interrupted; {CONTINUE}.")
-        raise
+    if rows < total:
+        with connected(store, scheduler, workers, tls, dashboard) as client:
+            send(client, plan)
+            for sentence in check(client, plan) if rows == 0 else ():
+                note(sentence)
+            began = time.perf_counter()
+            with shown(plan.campaign.name, total, rows, successes,
+                       client.dashboard_link if dashboard or (scheduler and on_terminal()) else None) as progress:
+                Engine(client, plan, store, progress).run()
+    flying = time.perf_counter() - began
+    store.finish()
     return total - rows, flying
 
 
