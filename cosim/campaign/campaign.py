@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import RunError, UsageError
+from ..master.folder import claimed
 from .plan import Plan, load
 from .progress import note, on_terminal, shown
 from .resume import prepare
@@ -28,9 +29,8 @@ def campaign(path: Path, out: Path | None = None, scheduler: str | None = None, 
     if tls and not (scheduler or "").startswith("tls://"):
         raise UsageError(f"--tls-ca, --tls-cert and --tls-key are for a --scheduler tls://..., not {scheduler}.")
     plan = load(path)
-    folder = out or Path("results") / plan.campaign.name
-    store = Store(folder, plan)
-    with store.locked():
+    with claimed(out, "campaign", plan.campaign.name) as folder:
+        store = Store(folder, plan)
         try:
             for sentence in prepare(store, resume, path.read_text()):
                 note(sentence)

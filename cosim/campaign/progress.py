@@ -82,8 +82,8 @@ def bar(count: Count, every: float) -> Iterator[Callable[[], None]]:
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-    with Progress(TextColumn(count.title), BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[rates]}"),
-                  TimeRemainingColumn(), console=Console(stderr=True)) as shown:
+    with Progress(TextColumn(count.title, markup=False), BarColumn(), MofNCompleteColumn(),
+                  TextColumn("{task.fields[rates]}"), TimeRemainingColumn(), console=Console(stderr=True)) as shown:
         task = shown.add_task(count.title, total=count.total, completed=count.rows, rates="")
         yield lambda: shown.update(task, completed=count.rows, rates=count.rates)
 

@@ -40,7 +40,7 @@ class Receipt(BaseModel):
             raise ValueError(f"{path.name} is damaged") from None
 
     def write(self, path: Path) -> None:
-        """Write it. Raises OSError if it cannot be written."""
+        """Write it. Raises RunError if it cannot be written."""
         with whole(path) as partial:
             partial.write_text(self.model_dump_json(indent=2) + "\n")
 

@@ -37,9 +37,11 @@ def prepare(store: Store, resume: bool, text: str) -> list[str]:
         else:
             store.clear_parts()
         if not store.complete:
-            store.claim_parts()
+            store.check_parts()
             find_parts(store, said)
-        store.write_head(text)
+        store.write_head(text)  # before parts/: it says that the folder is a campaign's
+        if not store.complete:
+            store.mark_parts()
     return said
 
 

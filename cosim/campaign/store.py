@@ -8,8 +8,6 @@
 A task's receipt is written after its parts: where it exists, the task is complete. The final files are the parts in
 order, so they do not depend on which worker flew what, or when.
 """
-import fcntl
-import os
 import re
 import shutil
 from collections.abc import Iterator
@@ -21,8 +19,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from ..errors import RunError, UsageError
-from ..master.results import prepare_folder
-from ..master.whole_file import whole
+from ..master.whole_file import reason, whole
 from ..vehicle.metrics import METRICS, OVER_TIME
 from .plan import Plan
 from .receipt import Receipt, Table
@@ -74,16 +71,6 @@ class Store:
         """The receipt of the task with the first run `first`."""
         return self.parts / f"receipt-{first:010d}.json"
 
-    @contextmanager
-    def locked(self) -> Iterator[None]:
-        """Keep other processes from writing here. Raises UsageError if one does already."""
-        prepare_folder(self.folder)
-        with open(self.folder / ".lock", "w") as lock:
-            try:
-                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except BlockingIOError:
-                raise UsageError(f"Another campaign is writing to {self.folder} just now.") from None
-            yield
 
     @contextmanager
     def writing(self) -> Iterator[None]:
@@ -91,15 +78,21 @@ class Store:
         try:
             yield
         except OSError as error:
-            reason = os.strerror(error.errno) if error.errno else str(error)
-            raise RunError(f"{self.folder} cannot be written to: {reason}; {CONTINUE}.") from None
+            raise RunError(f"{self.folder} cannot be written to: {reason(error)}; {CONTINUE}.") from None
+        except RunError as error:
+            if isinstance(error.__context__, OSError):  # of `whole`
+                raise RunError(f"{str(error).rstrip('.')}; {CONTINUE}.") from None
+            raise
 
-    def claim_parts(self) -> None:
-        """Make parts/ and mark it as a campaign's. Raises UsageError if it has files of somebody else."""
-        self.parts.mkdir(parents=True, exist_ok=True)
-        if not self.mark.exists() and any(self.parts.iterdir()):
+    def check_parts(self) -> None:
+        """Raises UsageError if parts/ has files of somebody else."""
+        if self.parts.exists() and not self.mark.exists() and any(self.parts.iterdir()):
             raise UsageError(f"{self.parts} has files that are not a campaign's: move them, or give another folder "
                              f"with --out.")
+
+    def mark_parts(self) -> None:
+        """Make parts/ and mark it as a campaign's."""
+        self.parts.mkdir(exist_ok=True)
         self.mark.write_text(f"{self.plan.campaign.name} {self.plan.job.key}\n")
 
     def clear_parts(self) -> None:
@@ -188,8 +181,8 @@ class Store:
             if kind in receipt.tables:
                 try:
                     receipt.check(kind, self.part(kind, first))
-                except ValueError as reason:
-                    raise RunError(f"{self.parts}: {reason}; --resume flies its runs again.") from None
+                except ValueError as fault:
+                    raise RunError(f"{self.parts}: {fault}; --resume flies its runs again.") from None
                 waiting.append(pq.read_table(self.part(kind, first), schema=self.schemas[kind]))
             if sum(t.num_rows for t in waiting) >= GROUP_ROWS:
                 yield pa.concat_tables(waiting).combine_chunks()

@@ -123,7 +123,7 @@ def test_a_part_that_cannot_be_written_is_one_sentence(whole, tmp_path, monkeypa
     store = Store(tmp_path, load(whole[0]))
     prepare(store, False, "")
     monkeypatch.setattr(stores.pq, "write_table", full)
-    with pytest.raises(RunError, match=r"cannot be written to: No space left on device; what was flown until then is"):
+    with pytest.raises(RunError, match=r"cannot be written: No space left on device; what was flown until then is"):
         fly_here(store, tmp_path / "fmus")
     assert store.done == {} and not list(store.parts.glob("*-*"))
 
