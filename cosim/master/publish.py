@@ -42,8 +42,8 @@ KINDS = {
     "simulate": Kind("a simulation", "run.json", "system", ("signals.parquet", "signals.csv")),
     "compare": Kind("a comparison", "compare.json", "controllers", ("compare_*.png",)),
     "campaign": Kind("a campaign", "campaign.json", "dispersions", (
-        "campaign.yaml", "parts", "runs.parquet", "signals.parquet", "errors.parquet", "report.html", "report.json",
-        "figures")),
+        "campaign.yaml", "parts", "receipt.json", "runs.parquet", "signals.parquet", "errors.parquet", "report.html",
+        "report.json", "figures")),
     "tune": Kind("a tuning", "tune.json", "budget", ()),
 }
 
