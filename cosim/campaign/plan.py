@@ -10,10 +10,10 @@ from typing import Any
 
 from ..errors import UsageError
 from ..master.algorithms import method
+from ..master.connections import checked_connections, recorded_names
 from ..master.flight import tick_count
 from ..master.loaded import open_files
 from ..master.system import System, Value
-from ..master.wiring import checked_connections, recorded_names
 from ..vehicle import scenarios
 from ..vehicle.closed_loop import FLAVOURS, ClosedLoop, assignments, closed_loop, names_file
 from ..vehicle.metrics import METRICS, needed

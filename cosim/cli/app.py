@@ -11,18 +11,35 @@ from typing import Annotated
 
 import typer
 
-from ..errors import RunError, UsageError
+from ..errors import Interrupted, RunError, UsageError
 from ..master.quantities import is_number
 from ..text import sentence
-from . import bench, build, campaign, check, compare, info, linearize, recover, run, simulate, ssp, trim, tune
+from . import (
+    bench,
+    build,
+    campaign,
+    check,
+    compare,
+    container,
+    info,
+    linearize,
+    recover,
+    run,
+    simulate,
+    ssp,
+    trim,
+    tune,
+)
 from .unforeseen import UNFORESEEN, unforeseen
 
 # What the system says of a file that cannot be read or written where the user wants it.
 REFUSED = (errno.ENOENT, errno.EACCES, errno.EPERM, errno.ENOTDIR, errno.EISDIR, errno.EEXIST, errno.ENAMETOOLONG,
            errno.ELOOP, errno.EROFS)
 
+ENDING = tuple(getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name))
+
 app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False)
-for command in (run, recover, compare, info, trim, linearize, simulate, ssp, check, campaign, tune, build):
+for command in (run, recover, compare, info, trim, linearize, simulate, ssp, container, check, campaign, tune, build):
     app.command()(getattr(command, command.__name__.rpartition(".")[2]))
 app.command(context_settings={"allow_extra_args": True, "ignore_unknown_options": True})(bench.bench)
 
@@ -43,10 +60,19 @@ def ahv(version: Annotated[bool, typer.Option("--version", callback=show_version
 
 
 def main() -> None:
-    """Entry point of the program: its exit status, with SIGTERM as an end that removes temporary files."""
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
+    """Entry point of the program: its exit status, with signals as an end that removes temporary files."""
+    for number in ENDING:
+        if signal.getsignal(number) == signal.SIG_DFL:  # nohup ignores SIGHUP
+            signal.signal(number, end)
     keep_output_apart()
     sys.exit(done(sys.argv[1:]))
+
+
+def end(number: int, _: object) -> None:
+    """End the program, in the way of an exception; further signals of this kind do not disturb that."""
+    for each in ENDING:
+        signal.signal(each, signal.SIG_IGN)
+    sys.exit(128 + number)
 
 
 def done(words: list[str]) -> int:
@@ -55,6 +81,8 @@ def done(words: list[str]) -> int:
         app(args=with_factor(words))
     except UsageError as error:
         return complain(error, 2)
+    except Interrupted as error:
+        return complain(error, 128 + error.number)
     except RunError as error:
         return complain(error, 1)
     except ModuleNotFoundError as error:

@@ -3,7 +3,7 @@ import json
 import sys
 from typing import Any
 
-from ..errors import RunError
+from ..errors import Interrupted, RunError
 
 
 def report(summary: dict[str, Any], as_json: bool) -> None:
@@ -48,11 +48,15 @@ def short(loop: dict[str, Any]) -> dict[str, Any]:
             for i, p in enumerate(p for p in loop["poles"] if p["imag"] >= 0)}
 
 
-def conclude(finished: bool, messages: list[str], trouble: str) -> None:
-    """How flights ended, on stderr. Raises RunError if not all `finished`, or for the `trouble` of their results."""
+def conclude(finished: bool, messages: list[str], trouble: str, interrupted: int = 0) -> None:
+    """How flights ended, on stderr. Raises RunError if not all `finished`, or for the `trouble` of their results, and
+    Interrupted for a signal."""
     said = [text for text in messages if text]
-    if not finished or trouble:
-        raise RunError("; ".join([*(text.rstrip(".") for text in said), trouble] if trouble else said))
+    if interrupted and finished:
+        said.append("Interrupted when the flight had ended.")
+    if interrupted or not finished or trouble:
+        sentence = "; ".join([*(text.rstrip(".") for text in said), trouble] if trouble else said)
+        raise Interrupted(sentence, interrupted) if interrupted else RunError(sentence)
     note(said)
 
 

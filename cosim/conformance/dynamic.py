@@ -5,6 +5,7 @@ names the probe, the mark names the call, and a new child runs the remaining pro
 """
 import contextlib
 import json
+import os
 import platform
 import sys
 import time
@@ -17,7 +18,7 @@ from . import probes  # noqa: F401  (importing the probes registers them)
 from .confined import Confined, Limits, sandbox, why
 from .fmi2 import MARK_BYTES, Mark
 from .job import Job, Known
-from .probes.bench import FLYING, PROBES
+from .probes.registry import FLYING, PROBES
 from .report import EVERYTHING, Finding, Report
 from .rule import ERROR, FORMAL, REFUSED, RULES, WARNING
 from .subject import Fault, Fmu
@@ -25,6 +26,7 @@ from .subject import Fault, Fmu
 POLL_S = 0.05
 STEPS = 20  # of a run
 PATIENCE_S = 8.0  # for repetitions
+BUDGET_S = 35.0  # of computing, after which further probes are left out
 WRONG_USE_S = 5.0  # that a call may take which the standard does not allow
 MOST_HANGS = 2  # after wrong use
 TOLERANCE = 1e-4  # where the file names none
@@ -32,6 +34,7 @@ MOST_LIMITS = 4  # a probe whose calls all return is given up after this many ti
 FATAL_RULES = {"dynamic.load": "the FMU cannot be loaded", "dynamic.hang": "the FMU hangs",
                "dynamic.limits": "the FMU passed a limit"}
 ONCE = ("dynamic.fatal", "dynamic.log-refusal")  # an FMU that does so does so for any call
+IMPLIED = {"dynamic.nonfinite-reset": "dynamic.reset-replay"}  # what says nothing more where another is broken
 FLAGS = ("canHandleVariableCommunicationStepSize", "canInterpolateInputs", "canRunAsynchronuously",
          "needsExecutionTool", "canBeInstantiatedOnlyOncePerProcess", "canGetAndSetFMUstate", "canSerializeFMUstate",
          "providesDirectionalDerivative")
@@ -47,11 +50,15 @@ def run(fmu: Fmu, report: Report, work: Path, limits: Limits, cycles: int) -> No
     run_probes(make_job(fmu, library, limits.call_s, cycles), report, work, limits)
     for rule in ONCE:
         report.merge(rule)
+    for rule, cause in IMPLIED.items():
+        if any((f.rule, f.severity) == (cause, ERROR) for f in report.findings):
+            report.findings = [f for f in report.findings if f.rule != rule]
 
 
 def run_probes(job: Job, report: Report, work: Path, limits: Limits) -> None:
     """Run the job's probes, in a new child process where one has ended."""
     deadline = time.monotonic() + limits.total_s
+    begun = computed()
     while job.probes:
         done, steps = run_child(job, report, work, limits, deadline)
         if done == 0:
@@ -60,12 +67,20 @@ def run_probes(job: Job, report: Report, work: Path, limits: Limits) -> None:
         cause = next((FATAL_RULES[f.rule] for f in report.findings if ends_the_check(f)), None)
         if cause:
             report.skip("the probes after that", cause)
-        if cause or not report.ran:
+        is_slow = any(item.why == "the FMU is slow" for item in report.not_tested)
+        if cause or is_slow or not report.ran:
             return
         if sum(f.rule == "dynamic.hang" for f in report.findings) >= MOST_HANGS:
             report.skip("further wrong use", "the FMU hangs on it")
             job = replace(job, probes=[*job.probes[:done], *(n for n in job.probes[done:] if PROBES[n].legal)])
-        job = replace(job, probes=job.probes[done:], steps=steps)
+        job = replace(job, probes=job.probes[done:], steps=steps,
+                      budget=BUDGET_S - (computed() - begun))
+
+
+def computed() -> float:
+    """Seconds of computing of all processes that this one has started and that have ended."""
+    spent = os.times()
+    return spent.children_user + spent.children_system
 
 
 def ends_the_check(finding: Finding) -> bool:
@@ -91,6 +106,7 @@ def make_job(fmu: Fmu, library: Path, time_limit: float, cycles: int) -> Job:
     """What the child needs to know about the FMU."""
     given = {key: number(text) for key, text in fmu.description.experiment.items()}
     start, stop, step = given.get("startTime") or 0.0, given.get("stopTime"), given.get("stepSize")
+    has_step = bool(step and step > 0)
     if not step or step <= 0:
         step = (stop - start) / 100 if stop is not None and stop > start else 0.01
     tolerance = given.get("tolerance") or 0.0
@@ -106,18 +122,21 @@ def make_job(fmu: Fmu, library: Path, time_limit: float, cycles: int) -> Job:
         start=start,
         stop=stop,
         step=step,
+        has_step=has_step,
         tolerance=tolerance,
         claims=claims | ({"maxOutputDerivativeOrder": order} if order else {}),
         categories=[c.get("name", "") for c in fmu.description.root.iterfind("LogCategories/Category")],
-        variables=[known_variable(v) for v in fmu.description.variables if v.type and v.reference is not None],
+        variables=[known_variable(v, v.causality == "output" or v.index in fmu.description.states)
+                   for v in fmu.description.variables if v.type and v.reference is not None],
         probes=list(PROBES),
         steps=steps,
         cycles=cycles,
         patience=min(time_limit / 2, PATIENCE_S),
+        budget=BUDGET_S,
     )
 
 
-def known_variable(v: Variable) -> Known:
+def known_variable(v: Variable, counts: bool) -> Known:
     """The variable as the probes need it."""
     start: float | int | str | None
     if v.type == "Real":
@@ -137,6 +156,7 @@ def known_variable(v: Variable) -> Known:
         low=v.min,
         high=v.max,
         nominal=v.nominal,
+        counts=counts,
         items=list(v.items.values()),
     )
 
@@ -157,7 +177,7 @@ def run_child(job: Job, report: Report, work: Path, limits: Limits, deadline: fl
     died = str(told.get("died", ""))
     if len(begun) > len(ended):
         death = stopped or died or why(child.process.returncode, limits) or "exit code 0"
-        report_death(report, begun[-1], death, Mark.read(mark)[1], limits)
+        report_death(report, job, begun[-1], death, Mark.read(mark)[1], limits)
     return len(begun), told.get("steps", job.steps)
 
 
@@ -233,7 +253,7 @@ def answer(text: str, begun: list[str]) -> dict[str, Any]:
     return {"rule": "dynamic.limits", "fault": ["file descriptors", found, "its own files only"], "severity": None}
 
 
-def report_death(report: Report, probe: str, death: str, call: str, limits: Limits) -> None:
+def report_death(report: Report, job: Job, probe: str, death: str, call: str, limits: Limits) -> None:
     """Report why a probe did not end. After an illegal call that is a warning only, since the caller is at fault."""
     severity, impact = (None, None) if PROBES[probe].legal else (WARNING, FORMAL)
     if probe not in FLYING:
@@ -245,6 +265,10 @@ def report_death(report: Report, probe: str, death: str, call: str, limits: Limi
     elif death.startswith("limit: "):
         found = f"{death.removeprefix('limit: ')}, in {call} (probe '{probe}')"
         report.add("dynamic.limits", Fault(call, found, "what the check's limits allow"))
+    elif death == "hang" and call == "fmi2DoStep" and not job.has_step and severity is None:
+        report.skip(probe, f"slow: a step of {job.step:g} s did not end within {limits.call_s:g} s (the file names no "
+                           "preferred step)")
+        report.skip("the probes after that", "the FMU is slow")
     elif death == "hang":
         seconds = limits.call_s if PROBES[probe].legal else min(limits.call_s, WRONG_USE_S)
         found = f"{call} did not return within {seconds:g} s (probe '{probe}')"

@@ -15,18 +15,16 @@ import json
 import shutil
 import signal
 import tempfile
-import threading
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ..errors import RunError
-from .whole_file import full, reason, synced
+from .interruptions import HELD, interruptions
+from .whole_file import reason, synced
 
 OWN, STAGED, ROWS, REQUEST = ".ahv", "staged", "rows.arrows", "request.json"
-ASKING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 Fill = Callable[[Path], None]  # writes files into a folder
 
 
@@ -52,45 +50,58 @@ KINDS = {
 
 @dataclass(frozen=True)
 class Published:
-    """Where the files are, and what did not fit, in one sentence (empty: everything did)."""
+    """Where the results are, and which could not be written, in one sentence (empty: all are there)."""
     folder: Path
     trouble: str
 
 
 def publish(folder: Path, kind: str, record: dict[str, Any], must: Fill, extras: Sequence[Fill] = (),
-            streamed: bool = False) -> Published:
+            less: Fill | None = None, rows: Path | None = None) -> Published:
     """Replace the results in `folder` by what `must` and `extras` write, and a head with `record`.
 
-    Where there is no room for all, extras are left out. Where there is none for the others, they go to a temporary
-    folder, and the former results stay. Signals that ask for an end wait until all is in place; extras that have not
-    begun are left out.
+    Where there is no room for all, extras are left out. Where there is none for `must`, the results go to a temporary
+    folder, and the former ones stay; without room there, `less` writes as much as fits. Signals that ask for an end
+    wait until all is in place; extras that have not begun are left out.
 
-    `streamed` means that the rows are on the disk already, and stay where this fails. Then there is no temporary
-    folder, and a signal ends the writing.
-
-    Raises RunError, one sentence, if there is no room anywhere.
+    `rows` is the file that `must` reads, if it does. It stays where this fails, so there is nothing to fall back to,
+    and a signal ends the writing.
     """
-    why = ""
+    def put(place: Path, fill: Fill, **more: str) -> str:
+        left_out = stage(place, kind, {**record, **more}, fill, extras, signals)
+        with held():
+            move(place, kind)
+        return left_out
+
     with ExitStack() as stack:
-        signals = [] if streamed else stack.enter_context(held())
-        for target in (folder,) if streamed else (folder, Path(tempfile.gettempdir())):
-            try:
-                place = folder if target is folder else Path(tempfile.mkdtemp(prefix="ahv_kept_"))
-                left_out = stage(place, kind, record, must, extras, signals)
-                with held():
-                    move(place, kind)
-            except OSError as error:
-                if not full(error):
-                    raise RunError(f"{target} cannot be written to: {reason(error)}.") from None
-                why = why or reason(error)
-                continue
-            if target is not folder:
-                return Published(place, f"{folder}: {why}: the results are in {place} instead.")
-            return Published(place, f"{folder}: {left_out}: there is {', '.join(files(place, kind))}, no more."
-                             if left_out else "")
-    if streamed:
-        raise RunError(f"{folder}: {why}. The rows flown so far are kept: make room, then `ahv recover {folder}`.")
-    raise RunError(f"{folder}: {why}. There is no room in {tempfile.gettempdir()} either: the results are lost.")
+        signals = [] if rows else stack.enter_context(held())
+        try:
+            left_out = put(folder, must)
+            only = " and ".join(files(folder, kind))
+            return Published(folder, f"{folder}: {left_out}: only {only} could be written." if left_out else "")
+        except OSError as error:
+            why = f"{folder}: {reason(error)}"
+        if rows:
+            return Published(folder, f"{why}. The rows flown so far are kept: make room or choose another folder with "
+                                     f"--out, then `ahv recover {rows.parent.parent}`.")
+        with suppress(OSError), temporary() as place:
+            put(place, must)
+            return Published(place, f"{why}: the results are in {place} instead.")
+        if less:
+            with suppress(OSError):
+                put(folder, less, left_out="the later rows")
+                return Published(folder, f"{why}: only the first rows could be written.")
+    return Published(folder, f"{why}, and {tempfile.gettempdir()} has no room either: nothing was written.")
+
+
+@contextmanager
+def temporary() -> Iterator[Path]:
+    """A new temporary folder, which is removed after an exception. Raises OSError."""
+    place = Path(tempfile.mkdtemp(prefix="ahv_kept_"))
+    try:
+        yield place
+    except BaseException:
+        shutil.rmtree(place, ignore_errors=True)
+        raise
 
 
 def files(folder: Path, kind: str) -> list[str]:
@@ -103,7 +114,7 @@ def stage(place: Path, kind: str, record: dict[str, Any], must: Fill, extras: Se
           ) -> str:
     """Write everything into the staging folder of `place`, the head last; why extras were left out, or an empty text.
 
-    Once there is an entry in `signals`, no further extra is begun. Raises OSError if there is no room for the rest;
+    Once there is an entry in `signals`, no further extra is begun. Raises OSError if the rest cannot be written;
     nothing is left then.
     """
     staged, head, why = place / OWN / STAGED, KINDS[kind].head, ""
@@ -121,8 +132,6 @@ def stage(place: Path, kind: str, record: dict[str, Any], must: Fill, extras: Se
                 extra(staged)
             write_head(staged, head, record)
         except OSError as error:
-            if not full(error):
-                raise
             why = reason(error)
             for path in below(staged) - kept:
                 path.unlink()
@@ -163,11 +172,12 @@ def move(folder: Path, kind: str) -> None:
         head.replace(former)
         synced(folder)
     if former.exists():
-        for name in read(former).get("files", KINDS[kind].files):
+        named = read(former).get("files")
+        names = named if isinstance(named, dict) else KINDS[kind].files  # former versions named none
+        for name in set(names) - set(read(staged / head.name)["files"]):
             if fits(name, kind) and (folder / name).is_file():
                 (folder / name).unlink()
-    for name in (ROWS, REQUEST):
-        (own / name).unlink(missing_ok=True)
+    forget(folder)
     for path in sorted(below(staged) - {staged / head.name}):
         target = folder / path.relative_to(staged)
         target.parent.mkdir(exist_ok=True)
@@ -179,9 +189,15 @@ def move(folder: Path, kind: str) -> None:
     shutil.rmtree(staged, ignore_errors=True)
 
 
-def fits(name: Any, kind: str) -> bool:
+def forget(folder: Path) -> None:
+    """Remove the rows of a stream, of which there are results now."""
+    for name in (ROWS, REQUEST):
+        (folder / OWN / name).unlink(missing_ok=True)
+
+
+def fits(name: str, kind: str) -> bool:
     """Whether a head may name this file as one of its kind's: never a path that leads elsewhere."""
-    path = Path(name) if isinstance(name, str) else Path()
+    path = Path(name)
     return (len(path.parts) in (1, 2) and ".." not in path.parts and not path.is_absolute()
             and any(Path(path.parts[0]).match(pattern) for pattern in KINDS[kind].files))
 
@@ -197,16 +213,10 @@ def read(path: Path) -> dict[str, Any]:
 
 @contextmanager
 def held() -> Iterator[list[int]]:
-    """Signals that ask for an end wait until the end of the context; meanwhile they are entries of a list."""
-    caught: list[int] = []
-    if threading.current_thread() is not threading.main_thread():
+    """Signals that ask for an end wait until the end of the outermost context, and do then what they would have done;
+    meanwhile they are entries of a list."""
+    within = bool(HELD)
+    with interruptions() as caught:
         yield caught
-        return
-    before = {s: signal.signal(s, lambda number, _: caught.append(number)) for s in ASKING}
-    try:
-        yield caught
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
-        if caught:
-            signal.raise_signal(caught[0])
+    if caught and not within:
+        signal.raise_signal(caught[0])

@@ -14,6 +14,7 @@ from .wiring import Signal
 CHUNK_ROWS = 4096
 GROUP_ROWS = 65536      # of a Parquet file: written together
 KEPT_ROWS = 20000       # at least so many are kept in memory of a stream, at most twice as many
+BATCH_ROWS = 1024       # of an Arrow stream: what a full disk may cost
 FLUSH_S = 1.0           # wall time: what a kill may cost a stream
 ROWS = ".arrows"        # the ending of an Arrow stream
 
@@ -125,16 +126,19 @@ class Stream(Thinned):
 
         times, rows = (np.concatenate(part) for part in zip(*self.waiting))
         self.waiting, self.waiting_rows, self.flushed = [], 0, time.monotonic()
+        first = 0
         try:
             if self.writer is None:
                 self.sink = pa.OSFile(str(self.arrows), "wb")
                 self.writer = pa.ipc.new_stream(self.sink, self.schema,
                                                 options=pa.ipc.IpcWriteOptions(compression="lz4"))
-            self.writer.write_batch(pa.RecordBatch.from_arrays([pa.array(a) for a in (times, *rows.T)],
-                                                               schema=self.schema))
+            for first in range(0, len(times), BATCH_ROWS):
+                part = slice(first, first + BATCH_ROWS)
+                self.writer.write_batch(pa.RecordBatch.from_arrays([pa.array(a) for a in (times[part], *rows[part].T)],
+                                                                   schema=self.schema))
         except OSError as error:
             self.full = True
-            raise NoRoom(f"{self.arrows}: {reason(error)}; rows from t = {times[0]:.6g} s on are lost.") from None
+            raise NoRoom(f"{self.arrows}: {reason(error)}; rows from t = {times[first]:.6g} s on are lost.") from None
 
     def close(self) -> None:
         """Close the file."""

@@ -1,16 +1,21 @@
 """What a flight with --stream leaves when it is killed, or when the disk is full: rows, and what was asked for."""
 import json
+from collections.abc import Callable
+from contextlib import nullcontext
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
-from ..errors import RunError
+from ..errors import RunError, UsageError
 from .flight import Flight, take_rows
-from .publish import OWN, REQUEST, ROWS, read
+from .folder import claimed, expanded
+from .publish import OWN, REQUEST, ROWS, forget, read
 from .recording import Thinned, batches
 from .whole_file import whole
 from .wiring import Signal
+
+Result = TypeVar("Result")
 
 
 def asked(folder: Path, request: dict[str, Any]) -> Path:
@@ -57,3 +62,21 @@ def recovered(folder: Path) -> tuple[Flight, dict[str, Any]] | None:
     flight.ticks = round(flight.reached / request["step_s"])
     flight.message = f"The flight was killed; its rows up to t = {flight.reached:.6g} s were recovered."
     return flight, request
+
+
+def recover(left: Path, out: Path | None, kind: str, keep: Callable[[Path, Flight, dict[str, Any], Path], Result]
+            ) -> Result:
+    """What `keep` makes, in `out` or there, of the rows that a killed flight left in the folder `left`; it is given the
+    claimed folder, the flight, what was asked for, and the file of the rows, which is removed afterwards.
+
+    Raises UsageError if there are no such rows, RunError if none is complete or there is no room.
+    """
+    if not (left := expanded(left)).is_dir():
+        raise UsageError(f"There is no folder {left}.")
+    with claimed(left, kind, "", recover=True), claimed(out, kind, "") if out else nullcontext(left) as folder:
+        if (found := recovered(left)) is None:
+            raise UsageError(f"{left} has no rows of a flight that was killed.")
+        flight, said = found
+        done = keep(folder, flight, said, left / OWN / ROWS)
+        forget(left)
+        return done

@@ -9,13 +9,14 @@ import pyarrow as pa
 import pyarrow.csv
 import pyarrow.parquet
 
-from .publish import OWN, ROWS, Fill, Published, publish
+from .publish import Fill, Published, publish
 from .recording import schema, to_parquet
 
 if TYPE_CHECKING:
     from .flight import Flight
 
 SIGNALS = "signals.parquet"
+HEAD_BYTES = 65536  # a run.json has about 14,000
 PACKAGES = ("ahv", "fmpy", "pythonfmu", "numpy", "casadi")
 
 
@@ -27,11 +28,9 @@ def table(flight: "Flight", decimate: int = 1) -> pa.Table:
 
 
 def write(folder: Path, kind: str, flight: "Flight", summary: dict[str, Any], decimate: int = 1,
-          extras: Sequence[Fill] = (), streamed: bool = False) -> Published:
-    """Publish the signals (or the rows that were `streamed` there), run.json with `summary`, and what `extras` write.
-
-    Raises RunError, one sentence, if there is no room for the signals anywhere.
-    """
+          extras: Sequence[Fill] = (), rows: Path | None = None) -> Published:
+    """Publish the signals (those in the Arrow stream `rows`, if there is one), run.json with `summary`, and `extras`.
+    See `publish`."""
     record = {
         **summary,
         "message": flight.message,
@@ -43,14 +42,31 @@ def write(folder: Path, kind: str, flight: "Flight", summary: dict[str, Any], de
         "signals": {c.name: {"unit": c.unit, "description": c.description} for c in flight.columns},
         "versions": {"python": platform.python_version(), **{name: version(name) for name in PACKAGES}},
     }
-    if streamed:
-        rows = folder / OWN / ROWS
-        return publish(folder, kind, record, lambda place: to_parquet(rows, place / SIGNALS), extras, streamed=True)
+    if rows:
+        return publish(folder, kind, record, lambda place: to_parquet(rows, place / SIGNALS), extras, rows=rows)
     signals = table(flight, decimate)
     return publish(folder, kind, record, lambda place: write_parquet(signals, place / SIGNALS),
-                   [lambda place: pyarrow.csv.write_csv(signals, (place / "signals.csv").absolute()), *extras])
+                   [lambda place: pyarrow.csv.write_csv(signals, (place / "signals.csv").absolute()), *extras],
+                   lambda place: write_first(signals, place / SIGNALS))
 
 
 def write_parquet(signals: pa.Table, path: Path) -> None:
     """Write a table. Raises OSError."""
     pyarrow.parquet.write_table(signals, path.absolute())  # pyarrow takes ~ at the beginning for the home folder
+
+
+def write_first(signals: pa.Table, path: Path) -> None:
+    """Write the first rows of a table, as many as fit beside the head. Raises OSError if none do."""
+    head = path.with_name("room")
+    head.write_bytes(bytes(HEAD_BYTES))
+    while True:
+        signals = signals.slice(0, signals.num_rows // 2)
+        try:
+            write_parquet(signals, path)
+        except OSError:
+            path.unlink(missing_ok=True)
+            if signals.num_rows < 2:
+                raise
+        else:
+            head.unlink()
+            return

@@ -12,6 +12,8 @@ from os.path import isfile
 from pathlib import Path, PureWindowsPath
 from typing import IO
 
+from ..temporary import troubles
+
 MAX_TOTAL_BYTES = 1 << 30  # 1 GiB unpacked; no FMU that a workstation can load is larger
 MAX_MEMBERS = 100_000
 MAX_MEMBER_BYTES = 100_000_000  # of one that is read into memory
@@ -125,22 +127,28 @@ def refuse_large_claims(members: list[zipfile.ZipInfo], max_total_bytes: int) ->
 def unpack(file: zipfile.ZipFile, member: zipfile.ZipInfo, folder: Path, budget: int, allowed: int) -> int:
     """Write one member below `folder`; the number of bytes it really had.
 
-    Raises BadArchive if it is damaged, or has more than `budget` bytes.
+    Raises BadArchive if it is damaged, or has more than `budget` bytes; NoTemporaryFolder if `folder` does not take it.
     """
     target = folder / member.filename
     try:
-        if member.is_dir():
-            target.mkdir(parents=True, exist_ok=True)
-            return 0
-        target.parent.mkdir(parents=True, exist_ok=True)
-        with file.open(member) as source, target.open("wb") as sink:
-            return copy(source, sink, budget, allowed, member.filename)
+        with troubles(folder):
+            return written(file, member, target, budget, allowed)
     except (zipfile.BadZipFile, zlib.error, EOFError) as problem:
         sentence = f"the member '{short(member.filename)}' is truncated or damaged ({str(problem) or 'end of file'})"
         raise BadArchive("archive.readable", sentence) from None
     except (OSError, ValueError, NotImplementedError, RuntimeError) as problem:
         sentence = f"the member '{short(member.filename)}' cannot be unpacked ({problem})"
         raise BadArchive("archive.readable", sentence) from None
+
+
+def written(file: zipfile.ZipFile, member: zipfile.ZipInfo, target: Path, budget: int, allowed: int) -> int:
+    """Write one member to `target`; see `unpack`."""
+    if member.is_dir():
+        target.mkdir(parents=True, exist_ok=True)
+        return 0
+    target.parent.mkdir(parents=True, exist_ok=True)
+    with file.open(member) as source, target.open("wb") as sink:
+        return copy(source, sink, budget, allowed, member.filename)
 
 
 def copy(source: IO[bytes], sink: IO[bytes], budget: int, allowed: int, name: str) -> int:

@@ -1,18 +1,10 @@
 """Files that appear whole or not at all."""
-import errno
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 from ..errors import RunError
-
-FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)  # there is no room: a full disk, a quota, a limit on a file's size
-
-
-def full(error: OSError) -> bool:
-    """Whether there was no room."""
-    return error.errno in FULL
 
 
 def reason(error: OSError) -> str:

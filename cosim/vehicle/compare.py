@@ -17,6 +17,7 @@ from ..master.course import Course
 from ..master.flight import Flight
 from ..master.fmu import FmuFile
 from ..master.folder import claimed
+from ..master.guard import POSSIBLE
 from ..master.isolated import launch
 from ..master.publish import publish
 from ..master.system import System
@@ -93,12 +94,19 @@ def size_of(path: Path, preset: str | None) -> dict[str, int | None]:
     return {"states": int(states[1]) if states else None, "parameters": parameters, "preset_parameters": tuned}
 
 
+def whole(system: System, step: float, stop: float, record: list[str] | None = None) -> Flight:
+    """`launch` in a process of its own where that is possible. Raises Interrupted after a signal: a part of a flight
+    compares to nothing."""
+    flight = launch(system, step, stop, isolate=POSSIBLE, record=record)
+    flight.check_interrupted()
+    return flight
+
+
 def cost_per_step(loop: ClosedLoop, step: float) -> float:
     """Microseconds of wall time per step of the controller alone, inputs held, the quickest of five flights."""
     alone = System(tuple(c for c in loop.system.components if c.name == "controller"), ())
-    walls = [launch(alone, step, step * COST_STEPS, isolate=loop.foreign, record=["controller.elevator"]).wall_s
-             for _ in range(5)]
-    return 1e6 * min(walls) / COST_STEPS
+    flights = [whole(alone, step, step * COST_STEPS, ["controller.elevator"]) for _ in range(5)]
+    return 1e6 * min(flight.wall_s for flight in flights) / COST_STEPS
 
 
 def loops_of(plan: Scenario, controllers: list[str], plant: str, flavour: str) -> dict[str, ClosedLoop]:
@@ -137,8 +145,7 @@ def compare(scenario: str | Scenario, controllers: list[str] | None = None, plan
         rows: dict[str, dict[str, Any]] = {}
         for column, loop in loops.items():
             began = time.perf_counter()
-            flights[column] = explained(launch(loop.system, step, plan.stop if stop is None else stop,
-                                               isolate=loop.foreign))
+            flights[column] = explained(whole(loop.system, step, plan.stop if stop is None else stop))
             fmu = next(c.fmu for c in loop.system.components if c.name == "controller")
             rows[column] = {"preset": loop.preset, **figures_of(flights[column]), **size_of(fmu, loop.preset),
                             "cost_per_step_us": cost_per_step(loop, step), "wall_s": time.perf_counter() - began}

@@ -1,15 +1,17 @@
 """One flight of a scenario, from words to a folder of results: what `ahv run` does."""
 from collections.abc import Mapping
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ..errors import UsageError
 from ..master.flight import Flight
-from ..master.folder import claimed, expanded
+from ..master.folder import claimed
+from ..master.interruptions import interruptions
 from ..master.isolated import launch
 from ..master.progress import progress_bar
-from ..master.recover import asked, recovered
+from ..master.recover import asked
+from ..master.recover import recover as recover_rows
 from . import scenarios
 from .closed_loop import ClosedLoop, Values, closed_loop
 from .limits import explained
@@ -39,44 +41,44 @@ def run(scenario: str | Scenario, controller: str = "neural", preset: Mapping[st
     go to `out`, else to results/run/SCENARIO. Other arguments are those of `master.flight.fly`.
 
     Raises UsageError for what cannot be flown, RunError if an FMU does not start. A flight that ends early is a
-    result: `flight.finished` is False and `flight.message` says why.
+    result: `flight.finished` is False and `flight.message` says why. After a signal there are no figures and
+    no CSV, and `flight.interrupted` is its number.
     """
     plan = scenarios.load(scenario) if isinstance(scenario, str) else scenario
     presets = {"controller": preset} if isinstance(preset, str) else dict(preset or {})
     loop = closed_loop(plan, controller, plant, flavour, presets, values, uncertainty)
-    with claimed(out, "run", plan.name) as folder:
+    # A signal lets the writing end; rows of a stream are on the disk already.
+    holding: AbstractContextManager[list[int]] = nullcontext([]) if stream else interruptions()
+    with (claimed(out, "run", plan.name) as folder,
+          holding as interrupted):
         end = plan.stop if stop is None else stop
         said = said_of(plan, loop, algorithm, step, end)
-        options: dict[str, Any] = {}
-        if stream:
-            options = {"decimate": decimate, "stream": asked(folder, said)}
+        rows = asked(folder, said) if stream else None
+        options: dict[str, Any] = {"decimate": decimate, "stream": rows} if rows else {}
         bar, tell = progress_bar(plan.name, end)
         with bar:
             flight = explained(launch(loop.system, step, end, algorithm, tell if progress else None,
                                       isolate or loop.foreign, time_limit, plain=plain, real_time=real_time, **options))
         notes = [*loop.notes, *part_of_the_rows(flight, stream)]
-        return kept(folder, flight, said, notes, decimate, stream)
+        done = kept(folder, flight, said, notes, decimate, rows)
+    flight.interrupted = interrupted[0] if interrupted else flight.interrupted
+    return done
 
 
-def recover(out: Path) -> Run:
-    """Make results of the rows in the folder `out` that a run with --stream left when it was killed.
+def recover(left: Path, out: Path | None = None) -> Run:
+    """Make results, in `out` or there, of the rows that a killed run with --stream left in the folder `left`.
 
-    Its figures of merit are computed from a part of the rows, as those of every streamed run. Raises UsageError if
-    there are no such rows, RunError if none is complete or there is no room.
+    Its figures of merit are computed from a part of the rows, as those of every streamed run. Raises what
+    `master.recover.recover` raises.
     """
-    folder = expanded(out)
-    if not folder.is_dir():
-        raise UsageError(f"There is no folder {folder}.")
-    with claimed(folder, "run", "", recover=True):
-        if (found := recovered(folder)) is None:
-            raise UsageError(f"{folder} has no rows of a flight that was killed.")
-        flight, said = found
-        return kept(folder, explained(flight), said, part_of_the_rows(flight, True), stream=True)
+    return recover_rows(left, out, "run", lambda folder, flight, said, rows: kept(
+        folder, explained(flight), said, part_of_the_rows(flight, True), rows=rows))
 
 
-def kept(folder: Path, flight: Flight, said: dict[str, Any], notes: list[str], decimate: int = 1, stream: bool = False
-         ) -> Run:
-    """The flight with its figures of merit, in a claimed folder; `said` is what run.json says of the request."""
+def kept(folder: Path, flight: Flight, said: dict[str, Any], notes: list[str], decimate: int = 1,
+         rows: Path | None = None) -> Run:
+    """The flight with its figures of merit, in a claimed folder; `said` is what run.json says of the request, `rows`
+    the file of a stream's rows."""
     from ..master.results import write
 
     said = dict(said)
@@ -85,7 +87,7 @@ def kept(folder: Path, flight: Flight, said: dict[str, Any], notes: list[str], d
     preset = f" ({said['preset']})" if said["preset"] else ""
     title = f"{said['scenario']}, {said['controller']}{preset}"
     published = write(folder, "run", flight, {**summary, "presets": presets}, decimate,
-                      [lambda place: draw(place, flight, title, first_figure)], stream)
+                      [lambda place: draw(place, flight, title, first_figure)], rows)
     return Run(flight, {**summary, "out": str(published.folder)}, published.folder, notes, published.trouble)
 
 

@@ -24,8 +24,7 @@ def trim(V: float = 7700.0, h: float = 85000.0, flavour: str | None = None) -> d
         instance = Instance(file, "plant")
         try:
             instance.set(values)
-            instance.setup(0.0, 1.0)
-            instance.simple("fmi2EnterInitializationMode")
+            instance.enter(0.0, 1.0)
             names = ("theta_trim", "eta1", "eta2", "fuel_ratio_trim", "elevator_trim", "trim_residual")
             theta, eta1, eta2, fuel_ratio, elevator, residual = instance.get(names)
         finally:

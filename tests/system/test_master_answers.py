@@ -13,9 +13,11 @@ from cosim.master import last_call, loop_compiled, program
 from cosim.master.algorithms import method
 from cosim.master.flight import fly, fly_loaded
 from cosim.master.fmu import FmuFile
-from cosim.master.instance import DISCARD, ENVIRONMENTS, ERROR, FATAL, MOST_MESSAGES, ONLY_ONE, Instance, log
+from cosim.master.instance import ONLY_ONE, Instance
 from cosim.master.isolated import fly_isolated
 from cosim.master.loaded import Master, open_files
+from cosim.master.logger import ENVIRONMENTS, MOST_MESSAGES, log
+from cosim.master.program import DISCARD, ERROR, FATAL
 from cosim.master.system import Component, Connection, System
 
 AT = 0.74
@@ -170,7 +172,7 @@ def test_signals_that_are_no_numbers_are_told(fmu, flown):
 
 def calls_after_fatal(instance):
     """How many calls any instance in the library of `instance` was given after one answered Fatal."""
-    return ctypes.c_int.in_dll(instance.slave.dll, "calls_after_fatal").value
+    return ctypes.c_int.in_dll(instance.library.dll, "calls_after_fatal").value
 
 
 @pytest.mark.parametrize("plain", [False, True])
@@ -282,7 +284,8 @@ def fly_one(instance):
     """From before initialisation to one step."""
     for call in ("fmi2EnterInitializationMode", "fmi2ExitInitializationMode"):
         instance.simple(call)
-    instance.check(instance.do_step(instance.component, 0.0, 0.1, 1), "fmi2DoStep", 0.0)
+    real, flag = ctypes.c_double, ctypes.c_int
+    instance.check(instance.call("fmi2DoStep", real(0.0), real(0.1), flag(1)), "fmi2DoStep", 0.0)
 
 
 def test_another_extraction_of_the_file_can_be_used_after_fatal(fmu):

@@ -188,7 +188,7 @@ def test_a_process_that_is_ended_outside_of_any_call_is_told():
     if child == 0:
         os.kill(os.getpid(), signal.SIGKILL)
     cause, place = cause_of_death(os.waitpid(child, 0)[1]), last_call.Place()
-    parent = Parent(child, None, place, None, None, None)
+    parent = Parent(None, None, place, None, None, None, [])
     assert parent.told(f"{cause} in") == "The process of the flight crashed (SIGKILL) outside of all FMU calls"
     place.stage[0] = last_call.TICKING
     assert parent.told(f"{cause} in") == "An FMU crashed (SIGKILL) in the exchange of initial values"

@@ -13,6 +13,7 @@ from cosim.master.algorithms import method
 from cosim.master.flight import fly, fly_loaded
 from cosim.master.isolated import fly_isolated
 from cosim.master.loaded import Master, open_files
+from cosim.temporary import PREFIX
 
 AT = 0.74
 
@@ -134,7 +135,7 @@ def test_many_runs_leave_nothing_behind(tmp_path, monkeypatch, times):
 
     memory, files, _ = grown(lambda: fly(system, 0.01, 1.0, "iterated"), times)
     assert files == 0 and memory < 3e6
-    assert not list(tmp_path.glob("ahv_*"))
+    assert not list(tmp_path.glob(f"{PREFIX}*"))
 
 
 def test_loaded_fmus_fly_again_after_reset(tmp_path):

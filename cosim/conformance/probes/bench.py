@@ -5,16 +5,16 @@ call that fails raises `CallFailed`, which the child turns into a finding.
 """
 import json
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from ..fmi2 import (
+    DISCARD,
     PENDING,
-    STATUS,
     WARNING,
     Instance,
     Library,
@@ -25,52 +25,13 @@ from ..fmi2 import (
 )
 from ..job import Job, Known
 from .compare import BITS, Column, Difference, worst_difference
+from .registry import CallFailed, NoInstance, status_name
 
 LONGEST_RUN_S = 2.0
 FEWEST_STEPS = 4
 ADDRESSES = (".base.lo", ".base.hi")  # how OSMP, of ASAM's OSI, hands over memory
-FLYING = ("load", "life")  # the probes without which nothing flies
 NOISE = 10.0  # a replay may differ by so many times what two fresh instances differ
 BASES = ("Real", "Integer", "Boolean", "String")
-
-
-class CallFailed(Exception):
-    """A legal call was refused."""
-
-    def __init__(self, call: str, status: int, where: str):
-        super().__init__(f"{call} returned {status_name(status)} {where}")
-        self.call = call
-        self.status = status
-
-
-class NoInstance(Exception):
-    """fmi2Instantiate returned a null pointer although the GUID was right."""
-
-
-class Probe(NamedTuple):
-    """`legal`: all its calls are legal, so a crash is the FMU's fault beyond doubt; `many`: needs several instances."""
-    name: str
-    run: "Run"
-    legal: bool
-    many: bool
-
-
-PROBES: dict[str, Probe] = {}
-
-
-def probe(name: str, legal: bool = True, many: bool = False) -> "Callable[[Run], Run]":
-    """Register a probe; probes run in the order of registration."""
-
-    def register(run: Run) -> Run:
-        PROBES[name] = Probe(name, run, legal, many)
-        return run
-
-    return register
-
-
-def status_name(status: int) -> str:
-    """A status as the standard spells it."""
-    return STATUS[status] if 0 <= status < len(STATUS) else f"the unknown status {status}"
 
 
 Row = dict[str, bytes | list[Value]]  # by type, packed as the FMU gave it, which is compared quickly
@@ -83,6 +44,7 @@ class Bench:
         self.job = job
         self.answers = answers
         self.mark = mark
+        self.is_over = False  # nothing more can be tested
 
     @cached_property
     def library(self) -> Library:
@@ -131,7 +93,20 @@ class Bench:
     def step(self, fmu: Instance, number: int, size: float | None = None) -> None:
         """Step number `number`, of `size` s or else the job's step. Raises CallFailed."""
         time = self.time(number)
-        self.expect(fmu.step(time, size or self.job.step), "fmi2DoStep", f"at time {time:g}")
+        status = fmu.step(time, size or self.job.step)
+        if status == DISCARD:
+            self.check_discard(fmu, time, time + (size or self.job.step))
+        self.expect(status, "fmi2DoStep", f"at time {time:g}")
+
+    def check_discard(self, fmu: Instance, begin: float, end: float) -> None:
+        """4.2.3: after a discarded step the master asks how far the FMU came."""
+        status, reached = fmu.last_successful_time()
+        if status > WARNING:
+            self.fault("dynamic.discard-status", "fmi2GetRealStatus", f"{status_name(status)} for "
+                       "fmi2LastSuccessfulTime after fmi2Discard", "fmi2OK and the time")
+        elif not begin - 1e-9 <= reached < end:
+            self.fault("dynamic.discard-status", "fmi2GetRealStatus", f"fmi2LastSuccessfulTime {reached:g}",
+                       f"a time from {begin:g} to below {end:g}")
 
     def expect(self, status: int, call: str, where: str) -> None:
         """Raise unless the status says that the legal call worked."""
@@ -235,6 +210,8 @@ class Bench:
     def noise(self) -> float:
         """How far two runs of fresh instances differ, by the scale of the variable that differs most."""
         different = None if self.is_single else self.difference(self.first_run, self.second_run)
+        if different and not different.counts:
+            return min(different.share, self.job.tolerance)
         return different.share if different else 0.0
 
     @property
@@ -269,7 +246,7 @@ class Bench:
         if first == second:
             return None
         times = [self.time(number + offset + 1) for number in range(min(len(first), len(second)))]
-        return worst_difference(self.columns(first, second), times)
+        return worst_difference(self.columns(first, second), times, self.job.tolerance)
 
     def columns(self, first: list[Row], second: list[Row]) -> Iterator[Column]:
         """Each variable with its values in two runs, where a value of its type differs."""
@@ -291,9 +268,13 @@ class Bench:
                       f"{self.job.tolerance:g} explains")
             self.fault(rule, different.variable, found, expected, "warning" if different.share >= BITS else "note",
                        "formal")
+            return True
+        found += "" if math.isinf(different.share) else f"; up to {different.share:.2g} of the variable's scale"
+        if different.counts:
+            self.fault(rule, different.variable, found, expected)
         else:
-            size = "" if math.isinf(different.share) else f"; up to {different.share:.2g} of the variable's scale"
-            self.fault(rule, different.variable, found + size, expected)
+            found += ", but no output and no state differs by more than the tolerance explains"
+            self.fault(rule, different.variable, found, expected, "warning", "formal")
         return True
 
 
@@ -306,6 +287,3 @@ def moved(v: Known, share: float) -> float:
     value = start + 0.01 * scale * share
     value = value if v.low is None else max(v.low, value)
     return value if v.high is None else min(v.high, value)
-
-
-Run = Callable[[Bench], None]

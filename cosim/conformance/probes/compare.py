@@ -15,29 +15,35 @@ Column = tuple[Known, Sequence[Value], Sequence[Value]]
 
 
 class Difference(NamedTuple):
-    """Where two trajectories differ most: `share` is the greatest difference by the variable's own scale."""
+    """Where two trajectories differ most: `share` is the greatest difference by the variable's own scale.
+
+    `counts`: the variable is an output or a state. The tolerance says nothing of others, derivatives least of all.
+    """
     variable: str
     text: str
     share: float
+    counts: bool
 
 
-def worst_difference(columns: Iterator[Column], times: Sequence[float]) -> Difference | None:
+def worst_difference(columns: Iterator[Column], times: Sequence[float], tolerance: float) -> Difference | None:
     """The greatest difference of all variables, each by its own scale; None if all are equal to the last bit.
 
-    A column has a variable with its values in both runs, at `times` (s). What is no Real differs by infinity.
+    What counts and is beyond the `tolerance` comes first. A column has a variable with its values in both runs, at
+    `times` (s). What is no Real differs by infinity.
     """
-    worst: tuple[float, Column, list[tuple[float, float]]] | None = None
+    worst: tuple[tuple[bool, float], Column, list[tuple[float, float]]] | None = None
     for column in columns:
         shares = list(differences(column, times))
         share = max((share for _, share in shares), default=0.0)
-        if shares and (worst is None or share > worst[0]):
-            worst = share, column, shares
+        rank = column[0].counts and share > tolerance, share
+        if shares and (worst is None or rank > worst[0]):
+            worst = rank, column, shares
     if worst is None:
         return None
-    share, (v, first, second), shares = worst
+    (_, share), (v, first, second), shares = worst
     at = times.index(shares[0][0])
     text = f"{second[at]!r} instead of {first[at]!r} at time {times[at]:g}"
-    return Difference(v.name, f"{text}{grown(shares)}", share)
+    return Difference(v.name, f"{text}{grown(shares)}", share, v.counts)
 
 
 def differences(column: Column, times: Sequence[float]) -> Iterator[tuple[float, float]]:

@@ -9,8 +9,9 @@ from functools import partial
 
 from ..fmi2 import ERROR, FATAL, WARNING, Instance, Value
 from ..job import Known
-from .bench import BASES, Bench, Row, probe, status_name
+from .bench import BASES, Bench, Row
 from .life import may_set
+from .registry import probe, status_name
 
 
 @probe("guid", legal=False)
@@ -163,7 +164,7 @@ def forbidden_write(bench: Bench) -> None:
                            f"fmi2Error: a {v.variability} {v.causality}")
 
 
-@probe("nonfinite", many=True)
+@probe("nonfinite", legal=False, many=True)
 def nonfinite(bench: Bench) -> None:
     """2.1.7: NaN and infinite inputs do no lasting harm: after a reset the first run is there again."""
     if not bench.moving_inputs:

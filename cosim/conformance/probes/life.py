@@ -4,8 +4,9 @@ import time
 
 from ..fmi2 import WARNING, Instance, Value
 from ..job import Known
-from .bench import Bench, Row, moved, probe, status_name
+from .bench import Bench, Row, moved
 from .compare import BITS, bits
+from .registry import probe, status_name
 
 
 @probe("load")
@@ -38,7 +39,8 @@ def free_null(bench: Bench) -> None:
 @probe("start-values")
 def start_values(bench: Bench) -> None:
     """2.2.7: constants, parameters, inputs and what has initial "exact" begin with the start value of the XML file."""
-    exact = [v for v in bench.job.variables if v.start is not None and (v.initial == "exact" or v.causality == "input")]
+    exact = [v for v in bench.job.variables if v.start is not None and (v.causality == "input" or (
+             v.initial == "exact" and (v.variability != "discrete" or v.causality == "parameter")))]
     with bench.instance() as fmu:
         bench.initialize(fmu)
         for v, value in bench.readings(fmu, exact):
@@ -274,4 +276,7 @@ def logging(bench: Bench) -> None:
         bench.run(fmu, excite=False)
         unknown = sorted({category for _, category in fmu.messages} - set(bench.job.categories))
         if unknown and bench.job.categories:
-            bench.fault("dynamic.log-category", unknown[0], "a category that is not listed", "one of LogCategories")
+            found = f"{len(unknown)} categories that are not listed: {', '.join(unknown)}"
+            bench.fault("dynamic.log-category", unknown[0], found, "one of LogCategories")
+    for what, found in bench.library.strange.items():
+        bench.fault(f"dynamic.log-{what}", "logger", found, f"the instance's own {what}")

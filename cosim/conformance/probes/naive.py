@@ -1,6 +1,7 @@
 """Would a naive importer manage? Probes of what importers do that read the standard in a hurry."""
 from ..fmi2 import WARNING
-from .bench import Bench, probe
+from .bench import Bench
+from .registry import probe
 
 
 @probe("naive-inputs", legal=False)

@@ -4,9 +4,10 @@ from ctypes import c_void_p
 
 from ..fmi2 import DISCARD, WARNING, Instance
 from ..job import Known
-from .bench import Bench, Row, moved, probe, status_name
+from .bench import Bench, Row, moved
 from .compare import bits
 from .life import may_set
+from .registry import probe, status_name
 
 
 def is_continuous_output(v: Known) -> bool:

@@ -51,12 +51,14 @@ class Algorithm(Protocol):
 def inputs(master: Master, component: int, hold: bool, period: int = 1) -> list[Row]:
     """Give a component its inputs for a step of `period` ticks: as they are, or on their last slope."""
     def code(group: Group) -> int:
-        return P.SET if not hold or group.suffix != "Real" else P.SLOPE if group.interpolates else P.PREDICT
+        if group.in_events:
+            return P.OFFER
+        return P.SET if not hold or not group.real else P.SLOPE if group.interpolates else P.PREDICT
     return [row(code(g), g.number, period, 0, period) for g in master.wiring.inputs[component]]
 
 
 def step(component: int, period: int = 1) -> Row:
-    """One fmi2DoStep of a component, over `period` ticks."""
+    """One step of a component, over `period` ticks."""
     return row(P.STEP, component, period, 0, period)
 
 

@@ -20,7 +20,6 @@ import numpy as np
 from ...errors import RunError, UsageError
 from .. import program as P
 from ..dependencies import value_needs
-from ..instance import DISCARD
 from ..loaded import NO_ROWS, NO_TIMES, Ended, Master
 from ..program import row
 from .base import Experiment, chosen_order, need_states, turn
@@ -52,7 +51,7 @@ class Variable:
         smooth = [s for s in w.sources if w.smooth[s]]
         states = [s for s in smooth if not needs[w.slots[s]]]
         self.slots = np.array(states or smooth, np.int64)
-        followed = all(g.interpolates for groups in w.inputs for g in groups if g.suffix == "Real")
+        followed = all(g.interpolates for groups in w.inputs for g in groups if g.real)
         second = hold and (followed or len(states) == len(smooth))
         self.power: float = 1 / 3 if second else 1 / 2  # one over the local error's order
         self.end: Ended | None = None         # the FMU that ended the simulation in the last attempt
@@ -119,7 +118,7 @@ class Variable:
         """Take `count` steps; False if an FMU discards one and a shorter one may be tried."""
         master, self.end = self.master, None
         status = master.attempt(self.ops, 0, count, self.time, step, NO_ROWS, NO_TIMES, 0)
-        discarded = status == DISCARD and self.ops[master.cursor[P.AT], 0] == P.STEP
+        discarded = status == P.DISCARD and self.ops[master.cursor[P.AT], 0] == P.STEP
         try:
             if not discarded or step * SHRINK <= SHORTEST * self.experiment.step:
                 master.check(status, self.ops, self.time, step)

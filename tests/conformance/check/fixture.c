@@ -48,6 +48,7 @@ typedef struct {
     fmi2CallbackLogger logger;
     fmi2ComponentEnvironment environment;
     void *heap;
+    char name[64];
 } Fmu;
 
 static void *last_stepped;
@@ -56,7 +57,7 @@ static int instances;
 
 static void log_message(Fmu *f, fmi2Status status, const char *category, const char *text) {
     if (f->logging || status != fmi2OK || BUG(LOG_OFF))
-        f->logger(f->environment, "fixture", status, category, "%s", text);
+        f->logger(BUG(LOG_ENVIRONMENT) ? f : f->environment, BUG(LOG_NAME) ? "fixture" : f->name, status, category, "%s", text);
 }
 
 static fmi2Status refuse(Fmu *f, const char *text) {
@@ -106,7 +107,7 @@ extern int function_that_nobody_has(void);
 
 fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
                               const fmi2CallbackFunctions *functions, fmi2Boolean visible, fmi2Boolean logging) {
-    (void)name, (void)resources, (void)visible;
+    (void)resources, (void)visible;
     if (type != fmi2CoSimulation || (strcmp(guid, GUID) && !BUG(ANY_GUID))) return NULL;
     if (BUG(NO_INSTANCE) || (BUG(ONE_INSTANCE) && instances > 0)) return NULL;
     if (BUG(NO_LICENCE)) {
@@ -117,6 +118,7 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
     if (!f) return NULL;
     instances++;
     f->logger = functions->logger;
+    snprintf(f->name, sizeof f->name, "%s", name);
     f->environment = functions->componentEnvironment;
     f->logging = logging;
     f->heap = malloc(20000);
@@ -423,7 +425,7 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real h, fmi2Boolean no
     if (BUG(SLOW)) usleep(5000);
     if (BUG(STEP_HANGS) && f->d.i[COUNT] == 3) sleep(1000);
     if (BUG(STEP_FAILS) && f->d.i[COUNT] == 3) return refuse(f, "defect");
-    if (BUG(STEP_DISCARDS) && f->d.i[COUNT] == 3) return fmi2Discard;
+    if ((BUG(STEP_DISCARDS) || BUG(DISCARD_STATUS)) && f->d.i[COUNT] == 3) return fmi2Discard;
     if (BUG(STEP_PENDING) && f->d.i[COUNT] == 3) return fmi2Pending;
     misbehave();
     if (BUG(SHARED) && instances > 1 && last_stepped != f) f->d.hidden += 1.0;
@@ -444,7 +446,10 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real h, fmi2Boolean no
 fmi2Status fmi2CancelStep(fmi2Component c) { return refuse(c, "no step is under way"); }
 fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind k, fmi2Status *v) { return (void)k, (void)v, refuse(c, "-"); }
 fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind k, fmi2Real *v) {
-    return (void)k, (void)v, refuse(c, "-");
+    Fmu *f = c;
+    if (BUG(DISCARD_STATUS) || k != fmi2LastSuccessfulTime) return refuse(f, "-");
+    *v = f->d.r[TIME];
+    return fmi2OK;
 }
 fmi2Status fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind k, fmi2Integer *v) {
     return (void)k, (void)v, refuse(c, "-");
