@@ -15,7 +15,7 @@ from places import AHV
 from cosim.cli import app, unforeseen
 from cosim.vehicle.closed_loop import fmu_path
 
-FEW = 8
+FEW = 5
 
 
 @pytest.mark.parametrize("kind", wrong_use.KINDS)
@@ -63,7 +63,8 @@ def test_yaml_without_bounds_is_refused_at_once(text, sentence, tmp_path):
         "/proc/1/mem"],
     ["run", "hold", "--algorithm", "variable,tolerance=1e-300"],
     ["run", "hold", "--real-time", "1e-300", "--step", "0"],
-    ["ssp", "hold", "--out", ""], ["ssp", "hold", "--out", "/"], ["tune", "neural", "--seed", "9" * 30],
+    ["ssp", "hold", "--out", ""], ["ssp", "hold", "--out", "/"], ["container", "hold", "--out", "/"],
+    ["tune", "neural", "--seed", "9" * 30],
     ["info", "/proc/self/mem"],
     ["linearize", "--plant", "instrumented", "--step", "1e-12"], ["tune", "neural", "--sigma", "1e308"],
     ["run", "hold", "--step", "1e-320"], ["run", "hold", "--time-limit", "0"], ["tune", "neural", "--gain", "nobody"],
