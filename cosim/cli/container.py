@@ -49,7 +49,7 @@ def container(
             loop = closed_loop(plan, controller, plant, flavour, chosen_presets(preset), assignments(set_), uncertainty)
             note(loop.notes)
             name, what, stop = plan.name, loop.system, plan.stop
-        size = step or what.step or DEFAULT_STEP
+        size = what.step or DEFAULT_STEP if step is None else step
         tick_count(size, stop)
         path = out or Path("results") / f"{Path(system).stem}.fmu"
         note(write_container(path, name, what, size, stop, connector or None))

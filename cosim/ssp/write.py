@@ -36,8 +36,6 @@ def write(path: Path, name: str, system: System, step: float, stop: float) -> No
     """
     for component in system.components:  # their parameter sets are files that are called by it
         named("component", component.name)
-    if not path.name:
-        raise UsageError(f"--out {path} is not allowed: it names no file.")
     with open_files(system) as files:
         places = fmu_places(files)
         contents = {places[c.name]: c.fmu.read_bytes() for c in system.components}
