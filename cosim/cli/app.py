@@ -5,7 +5,6 @@ request that cannot be carried out.
 """
 import os
 import re
-import signal
 import sys
 from typing import Annotated
 
@@ -13,8 +12,7 @@ import typer
 
 from ..errors import Interrupted, RunError, UsageError
 from . import bench, build, campaign, check, compare, info, linearize, recover, run, simulate, ssp, trim, tune
-
-ENDING = tuple(getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name))
+from .ending import ending
 
 app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False)
 for command in (run, recover, compare, info, trim, linearize, simulate, ssp, check, campaign, tune, build):
@@ -39,18 +37,9 @@ def ahv(version: Annotated[bool, typer.Option("--version", callback=show_version
 
 def main() -> None:
     """Entry point of the program: its exit status, with signals as an end that removes temporary files."""
-    for number in ENDING:
-        if signal.getsignal(number) == signal.SIG_DFL:  # nohup ignores SIGHUP
-            signal.signal(number, end)
-    keep_output_apart()
-    sys.exit(done(sys.argv[1:]))
-
-
-def end(number: int, _: object) -> None:
-    """End the program, in the way of an exception; further signals of this kind do not disturb that."""
-    for each in ENDING:
-        signal.signal(each, signal.SIG_IGN)
-    sys.exit(128 + number)
+    with ending():
+        keep_output_apart()
+        sys.exit(done(sys.argv[1:]))
 
 
 def done(words: list[str]) -> int:

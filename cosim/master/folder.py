@@ -146,6 +146,8 @@ def settle(folder: Path, kind: str) -> None:
     except OSError as error:
         raise Unusable(f"results wait in {staged}: {reason(error)}") from None
     shutil.rmtree(staged, ignore_errors=True)
+    for partial in (folder / OWN).glob("*.partial"):
+        partial.unlink(missing_ok=True)
 
 
 def leave(folder: Path, kind: str) -> None:
