@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from contextlib import nullcontext
 from numbers import Real
 from os import PathLike
+from os.path import isfile
 from typing import TYPE_CHECKING, Any
 
 from .errors import UsageError
@@ -78,7 +79,7 @@ def check(path: str | PathLike[str], dynamic: bool = True, time_limit: float = 3
     Raises UsageError if there is no such file.
     """
     file = as_path(path)
-    if not file.is_file():
+    if not isfile(file):
         raise UsageError(f"There is no file {file}.")
     positive("time_limit", time_limit)
     from .conformance import check as examine

@@ -1,11 +1,25 @@
 """Words and tables for people, as plain text and HTML. Texts come from strangers' FMUs: shown, never obeyed."""
+import re
 from collections.abc import Iterable, Sequence
 from html import escape
+
+LONGEST_WORD, LONGEST_SENTENCE = 300, 4000  # characters
 
 
 def printable(text: str) -> str:
     """`text` with line feeds and control characters shown as escapes."""
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
+
+
+def sentence(text: str) -> str:
+    """`text` for a terminal: control characters as escapes, the middle of a very long word or text left out."""
+    words = [shortened(printable(word), LONGEST_WORD) for word in re.split(r"(\s+)", text)]
+    return shortened("".join(word if not word.isspace() else " " for word in words), LONGEST_SENTENCE)
+
+
+def shortened(text: str, longest: int) -> str:
+    """`text` itself, or its beginning and its end if it is longer than `longest` characters."""
+    return text if len(text) <= longest else f"{text[:longest * 2 // 3]} ... {text[-(longest // 4):]}"
 
 
 def shown(value: object) -> str:

@@ -39,7 +39,7 @@ def run(
     time_limit: TimeLimit = None,
     stream: Stream = False,
     set_: Set = [],  # noqa: B006  (typer wants a list)
-    decimate: Annotated[int, typer.Option(help="Write every N-th tick.", min=1)] = 1,
+    decimate: Annotated[int, typer.Option(help="Write every N-th tick.", min=1, max=10**12)] = 1,
     out: Out = None,
     as_json: Json = False,
 ) -> None:

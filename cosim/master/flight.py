@@ -3,6 +3,7 @@ import time
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
+from math import inf, isfinite
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ from ..errors import Interrupted, RunError, UsageError, did_you_mean
 from .algorithms import Method, method
 from .algorithms.base import Algorithm, Experiment
 from .course import Course, terms
+from .declared import NUMERIC
 from .instance import Instance
 from .interruptions import interruptions
 from .loaded import Ended, Master, open_files
@@ -23,9 +25,9 @@ from .series import Series
 from .system import System
 from .wiring import Signal
 
+MOST_TICKS = 1e12  # 11 days at a microsecond each
 CHUNK_S = 0.1  # wall time between two looks at the world
 COPIES = 3  # of all rows in memory at a time, at most: when they are put together and written
-MOST_TICKS = 2**53  # a float knows no more
 MakeRecorder = Callable[[list[Signal]], Recorder]
 
 
@@ -56,6 +58,7 @@ class Flight:
     lateness: dict[str, float] | None = None   # of a paced run
     ended_at: float | None = None    # s, where an FMU ended the simulation, which counts as finished
     periods: dict[str, float] = field(default_factory=dict)   # s, of the components that do not step in every tick
+    remarks: list[str] = field(default_factory=list)   # sentences of whoever had it flown, for `warnings`
     interrupted: int = 0             # the signal that asked for an end, before or after it came to it; 0 if none did
 
     @cached_property
@@ -88,7 +91,8 @@ class Flight:
         components have just stepped. All rows, if they step in every tick."""
         found = np.ones(len(self.time), bool)
         for period in {self.periods.get(name.partition(".")[0], 0.0) for name in names} - {0.0}:
-            found &= np.abs(self.time - np.round(self.time / period) * period) < 1e-6 * period
+            elapsed = self.time - self.time[0]
+            found &= np.abs(elapsed - np.round(elapsed / period) * period) < 1e-6 * period
         return found
 
     def course(self, expression: str) -> Course:
@@ -132,14 +136,15 @@ class Flight:
 
     @property
     def warnings(self) -> list[str]:
-        """What a reader should know of the numbers: the signals that are not finite, in one sentence."""
+        """What a reader should know of the numbers: remarks, and the signals that are not finite, in one sentence."""
         strange = ~np.isfinite(self.signals)
         found = np.flatnonzero(strange.any(axis=0)).tolist()
         if not found:
-            return []
+            return self.remarks
         first, names = int(strange.any(axis=1).argmax()), [self.columns[i].name for i in found]
         more = f" and {len(names) - 5} more signals" if len(names) > 5 else ""
-        return [f"{', '.join(names[:5])}{more} {'is' if len(names) == 1 else 'are'} nan or infinite, first at "
+        return [*self.remarks,
+                f"{', '.join(names[:5])}{more} {'is' if len(names) == 1 else 'are'} nan or infinite, first at "
                 f"t = {self.time[first]:.6g} s: figures made of them tell nothing."]
 
     def check_interrupted(self) -> None:
@@ -168,30 +173,39 @@ Begun = Callable[[Flight, dict[tuple[int, int], tuple[str, str, int]]], None]
 Flown = Callable[[Flight], None]
 
 
-def tick_count(step: float, stop: float) -> int:
-    """Whole number of communication steps to `stop`; UsageError if it is none, or not sensible."""
-    if not (0 < step < float("inf") and 0 < stop < float("inf")):
+def tick_count(step: float, stop: float, start: float = 0.0) -> int:
+    """Whole number of communication steps from `start` to `stop`; UsageError if it is none, or not sensible."""
+    if not isfinite(start):
+        raise UsageError(f"--start {start:g} must be a finite number of seconds.")
+    if start == 0 and not (0 < step < inf and 0 < stop < inf):
         raise UsageError(f"--step {step:g} and --stop {stop:g} must be positive numbers of seconds.")
-    count = round(stop / step)
-    if count < 1 or abs(count * step - stop) > 1e-6 * step:
-        raise UsageError(f"--stop {stop:g} s is not a whole number of communication steps of {step:g} s.")
-    if count > MOST_TICKS:
-        raise UsageError(f"--stop {stop:g} s is {count:.3g} steps of {step:g} s; at most {MOST_TICKS:.3g} are counted.")
+    if not 0 < step < inf:
+        raise UsageError(f"--step {step:g} must be a positive number of seconds.")
+    if not start < stop < inf:
+        raise UsageError(f"--stop {stop:g} s must be after the start at {start:g} s.")
+    if not (stop - start) / step <= MOST_TICKS:
+        raise UsageError(f"--stop {stop:g} s is more than {MOST_TICKS:g} communication steps of {step:g} s.")
+    count = round((stop - start) / step)
+    if count < 1 or abs(count * step - (stop - start)) > 1e-6 * step:
+        since = f" from the start at {start:g} s" if start else ""
+        raise UsageError(f"--stop {stop:g} s is not a whole number of communication steps of {step:g} s{since}.")
     return count
 
 
-def row_count(step: float, stop: float, decimate: int) -> int:
+def row_count(step: float, stop: float, decimate: int, start: float = 0.0) -> int:
     """Rows of a flight that takes all steps. Raises what `tick_count` raises."""
-    return tick_count(step, stop) // decimate + 2
+    return tick_count(step, stop, start) // decimate + 2
 
 
 def fly(system: System, step: float, stop: float, algorithm: str | Method = "gauss-seidel",
-        progress: Progress | None = None, *, record: list[str] | None = None, decimate: int = 1,
-        plain: bool = False, real_time: float | None = None, stream: Path | None = None,
-        recorder: MakeRecorder | None = None, begun: Begun | None = None, flown: Flown | None = None) -> Flight:
-    """Fly `system` from 0 to `stop` (s) in communication steps of `step` (s).
+        progress: Progress | None = None, *, start: float | None = None, tolerance: float | None = None,
+        record: list[str] | None = None, decimate: int = 1, plain: bool = False,
+        real_time: float | None = None, stream: Path | None = None, recorder: MakeRecorder | None = None,
+        begun: Begun | None = None, flown: Flown | None = None) -> Flight:
+    """Fly `system` from `start` (None: the system's) to `stop` (s) in communication steps of `step` (s).
 
-    `algorithm` is a word as in `algorithms.method`. `record` picks the variables to keep, by component.variable with *
+    `algorithm` is a word as in `algorithms.method`. `tolerance` is the relative one that FMUs are asked to keep (None:
+    what each declares in its default experiment). `record` picks the variables to keep, by component.variable with *
     for any (None: all numeric outputs), `decimate` every how many ticks; `stream` is a file to write them to as they
     come, see `recording.Stream`, and then memory keeps a part only. `plain` takes the tick loop in Python. `real_time`
     paces the run, times that factor. `recorder` makes another place for the rows, and `begun` is told before the first
@@ -206,15 +220,18 @@ def fly(system: System, step: float, stop: float, algorithm: str | Method = "gau
     FMUs cannot be started.
     """
     chosen = algorithm if isinstance(algorithm, Method) else method(algorithm)
-    ticks = tick_count(step, stop)
+    start = system.start if start is None else start
+    ticks = tick_count(step, stop, start)
+    if tolerance is not None and not 0 < tolerance < inf:
+        raise UsageError(f"--tolerance {tolerance:g} must be a positive number.")
     began = time.perf_counter()
     with open_files(system) as files:
-        master = Master(system, files, record, plain, decimate > 1)
+        master = Master(system, files, record, plain, decimate > 1, tolerance)
         try:
             flight = fly_loaded(master, chosen, step, ticks, progress, decimate, real_time,
                                 recorder(master.columns) if recorder else make_recorder(
-                                    master.columns, stream, row_count(step, stop, decimate)),
-                                begun, began)
+                                    master.columns, stream, row_count(step, stop, decimate, start)),
+                                begun, began, start)
             if flown:
                 flown(flight)
             return flight
@@ -235,16 +252,16 @@ def make_recorder(columns: list[Signal], stream: Path | None, rows: int) -> Reco
 
 def fly_loaded(master: Master, chosen: Method, step: float, ticks: int, progress: Progress | None = None,
                decimate: int = 1, real_time: float | None = None, recorder: Recorder | None = None,
-               begun: Begun | None = None, began: float | None = None) -> Flight:
-    """The same with FMUs that are loaded, or were reset (`Master.reset`)."""
+               begun: Begun | None = None, began: float | None = None, start: float = 0.0) -> Flight:
+    """The same with FMUs that are loaded, or were reset (`Master.reset`), from `start` (s) on."""
     began = time.perf_counter() if began is None else began
     recorder = recorder or Recorder(master.columns)
-    experiment = Experiment(0.0, step, ticks, recorder, decimate)
+    experiment = Experiment(start, step, ticks, recorder, decimate)
     try:
         if real_time is not None and not 0 < real_time < float("inf"):
             raise UsageError(f"--real-time {real_time:g} must be a positive number.")
         running = chosen.algorithm(master, chosen.options, experiment)
-        master.initialise(0.0, experiment.stop)
+        master.initialise(start, experiment.stop)
         flight = Flight(time=np.empty(0), signals=np.empty((0, len(master.columns))), columns=master.columns,
                         finished=False, message="", startup_s=0.0, wall_s=0.0,
                         parameters={i.name: inquire(i) for i in master.instances}, fmus=origins(master),
@@ -253,7 +270,7 @@ def fly_loaded(master: Master, chosen: Method, step: float, ticks: int, progress
         recorder.about(known_of(flight))
         if begun:
             begun(flight, master.calls())
-        recorder.add(0.0, master.row())
+        recorder.add(start, master.row())
     except BaseException:
         recorder.abandon()
         raise
@@ -311,8 +328,8 @@ def advance(algorithm: Algorithm, experiment: Experiment, progress: Progress | N
 def inquire(instance: Instance) -> dict[str, Any]:
     """All parameters of a component with the values it flies with."""
     file = instance.file
-    names = [n for causality in ("parameter", "calculatedParameter") for n in file.names(causality)
-             if file.variables[n].type != "String"]
+    names = [n for causality in ("structuralParameter", "parameter", "calculatedParameter")
+             for n in file.names(causality) if file.variables[n].family in NUMERIC]
     return dict(zip(names, instance.get(names)))
 
 
@@ -323,6 +340,6 @@ def origins(master: Master) -> dict[str, dict[str, str]]:
         file = master.files[component.name]
         said = file.description.attributes
         found[component.name] = {"file": str(component.fmu), "model": said.get("modelName", ""),
-                                 "guid": said.get("guid", ""), "sha256": file.sha256,
+                                 "guid": said.get("guid", said.get("instantiationToken", "")), "sha256": file.sha256,
                                  "generation_tool": said.get("generationTool", "")}
     return found

@@ -36,12 +36,14 @@ def claimed(out: Path | None, kind: str, name: str, recover: bool = False) -> It
     """
     folder = expanded(out) if out else Path("results") / kind / name
     try:
-        with opened(folder, kind, not recover) as lock:
+        with opened(folder, kind) as lock:
             if not locked(lock, folder / OWN / MARK):
                 raise UsageError(f"Another ahv is writing to {folder} just now: wait, or give --out another folder.")
             check_owner(folder, kind)
             mark(lock, kind)
             settle(folder, kind)
+            if not recover:
+                tried(folder / OWN / "probe")
             rows = folder / OWN / ROWS
             if rows.exists() and not recover:
                 raise UsageError(f"{folder} has rows of a flight that was killed: `ahv recover {folder}` makes results "
@@ -59,16 +61,13 @@ class Unusable(Exception):
 
 
 @contextmanager
-def opened(folder: Path, kind: str, probe: bool) -> Iterator[IO[str]]:
-    """The file that marks the folder, which is made, and tried with a `probe`. Raises Unusable, and UsageError as
-    `check_owner`."""
+def opened(folder: Path, kind: str) -> Iterator[IO[bytes]]:
+    """The file that marks the folder, which is made. Raises Unusable, and UsageError as `check_owner`."""
     own = folder / OWN
     try:
         check_owner(folder, kind)
         own.mkdir(parents=True, exist_ok=True)
-        if probe:
-            tried(own / f"probe{os.getpid()}")
-        lock = open(own / MARK, "a+")  # noqa: SIM115 (closed below)
+        lock = open(own / MARK, "a+b", buffering=0)  # noqa: SIM115 (closed below)
     except OSError as error:
         raise Unusable(reason(error)) from None
     except ValueError as error:  # a NUL character
@@ -78,28 +77,29 @@ def opened(folder: Path, kind: str, probe: bool) -> Iterator[IO[str]]:
 
 
 def tried(path: Path) -> None:
-    """Write a file and remove it. Raises OSError."""
+    """Write a file and remove it. Raises Unusable if that cannot be done."""
     try:
         path.write_bytes(bytes(4096))
+    except OSError as error:
+        raise Unusable(reason(error)) from None
     finally:
         path.unlink(missing_ok=True)
 
 
-def mark(lock: IO[str], kind: str) -> None:
+def mark(lock: IO[bytes], kind: str) -> None:
     """Write down the kind of results. Raises Unusable."""
-    text = json.dumps({"kind": kind}) + "\n"
+    text = json.dumps({"kind": kind}).encode() + b"\n"
     lock.seek(0)
     if lock.read() == text:
         return
     try:
         lock.truncate(0)
         lock.write(text)
-        lock.flush()
     except OSError as error:
         raise Unusable(reason(error)) from None
 
 
-def locked(lock: IO[str], path: Path) -> bool:
+def locked(lock: IO[bytes], path: Path) -> bool:
     """Lock the file that was opened at `path` for as long as the process lives; False if somebody else has it.
 
     Raises Unusable where files cannot be locked.
@@ -139,15 +139,16 @@ def kind_of(folder: Path) -> str | None:
 
 def settle(folder: Path, kind: str) -> None:
     """Finish what a killed process had staged, or remove it. Raises Unusable if that cannot be done."""
-    staged = folder / OWN / STAGED
+    own, staged = folder / OWN, folder / OWN / STAGED
     try:
         if (staged / KINDS[kind].head).exists():
             move(folder, kind)
+        shutil.rmtree(staged, ignore_errors=True)
+        for path in own.iterdir():
+            if path.name not in (MARK, ROWS, REQUEST):
+                path.unlink()
     except OSError as error:
-        raise Unusable(f"results wait in {staged}: {reason(error)}") from None
-    shutil.rmtree(staged, ignore_errors=True)
-    for partial in (folder / OWN).glob("*.partial"):
-        partial.unlink(missing_ok=True)
+        raise Unusable(f"{own} has what a killed process left: {reason(error)}") from None
 
 
 def leave(folder: Path, kind: str) -> None:

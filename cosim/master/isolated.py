@@ -38,7 +38,8 @@ class Sender(Recorder):
         self.end = end
         if (len(columns) + 1) * (CHUNK_ROWS + 1) <= len(place.doubles):
             self.times = place.doubles[:CHUNK_ROWS + 1]
-            self.rows = place.doubles[CHUNK_ROWS + 1:][:(CHUNK_ROWS + 1) * len(columns)].reshape(-1, len(columns))
+            self.rows = place.doubles[CHUNK_ROWS + 1:][:(CHUNK_ROWS + 1) * len(columns)].reshape(
+                CHUNK_ROWS + 1, len(columns))  # columns may be none, so -1 cannot be found out
 
     def keep(self, times: np.ndarray, rows: np.ndarray) -> None:
         self.end.send(("rows", times, rows))
@@ -66,7 +67,8 @@ def fly_isolated(system: System, step: float, stop: float, algorithm: str, progr
     """
     if time_limit is not None and not time_limit > 0:
         raise UsageError(f"--time-limit {time_limit:g} must be a positive number of seconds.")
-    rows = row_count(step, stop, options.get("decimate", 1))
+    start = options.get("start")
+    rows = row_count(step, stop, options.get("decimate", 1), system.start if start is None else start)
     place = last_call.Place()
     with Folder() as folder, interruptions() as interrupted:  # what a crash leaves behind goes with the folder
         ours, theirs = Pipe(duplex=False)
@@ -191,7 +193,7 @@ class Parent:
         tick, _, used, _, _, _, steps = self.place.cursor.tolist()
         columns = self.head.columns
         if used and (len(columns) + 1) * (CHUNK_ROWS + 1) <= len(self.place.doubles):
-            rows = self.place.doubles[CHUNK_ROWS + 1:][:used * len(columns)].reshape(-1, len(columns))
+            rows = self.place.doubles[CHUNK_ROWS + 1:][:used * len(columns)].reshape(used, len(columns))
             times = self.place.doubles[:used]
             fresh = times > self.until  # the process may have ended after it sent them
             try:

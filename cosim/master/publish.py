@@ -63,13 +63,15 @@ def publish(folder: Path, kind: str, record: dict[str, Any], must: Fill, extras:
     folder, and the former ones stay; without room there, `less` writes as much as fits. Signals that ask for an end
     wait until all is in place; extras that have not begun are left out.
 
-    `rows` is the file that `must` reads, if it does. It stays where this fails, so there is nothing to fall back to,
-    and a signal ends the writing.
+    `rows` is the file that `must` reads, if it does. It goes when all is in place. Where this fails it stays, so there
+    is nothing to fall back to, and a signal ends the writing.
     """
     def put(place: Path, fill: Fill, **more: str) -> str:
         left_out = stage(place, kind, {**record, **more}, fill, extras, signals)
         with held():
             move(place, kind)
+            if rows:
+                forget(rows.parent.parent)
         return left_out
 
     with ExitStack() as stack:
@@ -172,7 +174,9 @@ def move(folder: Path, kind: str) -> None:
         head.replace(former)
         synced(folder)
     if former.exists():
-        for name in read(former).get("files", KINDS[kind].files):
+        named = read(former).get("files")
+        names = named if isinstance(named, dict) else KINDS[kind].files  # former versions named none
+        for name in set(names) - set(read(staged / head.name)["files"]):
             if fits(name, kind) and (folder / name).is_file():
                 (folder / name).unlink()
     forget(folder)
@@ -193,9 +197,9 @@ def forget(folder: Path) -> None:
         (folder / OWN / name).unlink(missing_ok=True)
 
 
-def fits(name: Any, kind: str) -> bool:
+def fits(name: str, kind: str) -> bool:
     """Whether a head may name this file as one of its kind's: never a path that leads elsewhere."""
-    path = Path(name) if isinstance(name, str) else Path()
+    path = Path(name)
     return (len(path.parts) in (1, 2) and ".." not in path.parts and not path.is_absolute()
             and any(Path(path.parts[0]).match(pattern) for pattern in KINDS[kind].files))
 

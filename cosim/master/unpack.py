@@ -8,6 +8,7 @@ Section 2.3 (FMU Distribution) says what an FMU's archive looks like.
 import stat
 import zipfile
 import zlib
+from os.path import isfile
 from pathlib import Path, PureWindowsPath
 from typing import IO
 
@@ -68,17 +69,24 @@ def read_member(archive: Path, name: str, most: int = MAX_MEMBER_BYTES) -> bytes
 
 def open_archive(archive: Path) -> zipfile.ZipFile:
     """The archive opened for reading. Raises BadArchive if it is missing or no zip file."""
-    if not archive.is_file():
+    if not isfile(archive):
         raise BadArchive("archive.readable", f"there is no file '{archive}'")
     try:
         return zipfile.ZipFile(archive)
     except zipfile.BadZipFile as problem:
-        with archive.open("rb") as start:
-            looks_like_zip = start.read(4) == b"PK\x03\x04"
-        what = "is a zip file that is truncated or damaged" if looks_like_zip else "is not a zip file"
+        what = "is a zip file that is truncated or damaged" if begins_as_zip(archive) else "is not a zip file"
         raise BadArchive("archive.readable", f"'{archive.name}' {what} ({str(problem).rstrip('.')})") from None
     except (OSError, ValueError, NotImplementedError) as problem:
         raise BadArchive("archive.readable", f"'{archive.name}' cannot be read as a zip file ({problem})") from None
+
+
+def begins_as_zip(archive: Path) -> bool:
+    """Whether the first bytes of the file, if they can be read, are those of a zip file."""
+    try:
+        with archive.open("rb") as start:
+            return start.read(4) == b"PK\x03\x04"
+    except OSError:
+        return False
 
 
 def refuse_unsafe_names(members: list[zipfile.ZipInfo], folder: Path) -> None:

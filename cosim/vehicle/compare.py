@@ -25,6 +25,7 @@ from ..text import without_math
 from . import scenarios
 from .closed_loop import ClosedLoop, closed_loop, flavour_of
 from .figures import Panel, available
+from .limits import explained
 from .metrics import HEADLINES, METRICS, metrics
 from .registry import LAWS
 from .scenarios import Scenario
@@ -78,9 +79,8 @@ def figures_of(flight: Flight) -> dict[str, Any]:
         pair = f"scenario.{name}_command", source(flight, f"plant.{name}_true")
         rows = flight.together(pair)
         result[key] = settling(flight.time[rows], *(np.asarray(flight[one])[rows] for one in pair))
-    for key, name in (("elevator_saturated_s", "elevator_saturated"), ("fuel_saturated_s", "fuel_ratio_saturated")):
-        flag = f"controller.{name}"
-        result[key] = flight.course(flag).time_on() if flight.has(flag) else None
+    saturated = result.pop("saturated_s")
+    result |= {"elevator_saturated_s": saturated["elevator"], "fuel_saturated_s": saturated["fuel_ratio"]}
     return {"finished": flight.finished, "departed_at_s": None if flight.finished else flight.reached, **result}
 
 
@@ -145,7 +145,7 @@ def compare(scenario: str | Scenario, controllers: list[str] | None = None, plan
         rows: dict[str, dict[str, Any]] = {}
         for column, loop in loops.items():
             began = time.perf_counter()
-            flights[column] = whole(loop.system, step, plan.stop if stop is None else stop)
+            flights[column] = explained(whole(loop.system, step, plan.stop if stop is None else stop))
             fmu = next(c.fmu for c in loop.system.components if c.name == "controller")
             rows[column] = {"preset": loop.preset, **figures_of(flights[column]), **size_of(fmu, loop.preset),
                             "cost_per_step_us": cost_per_step(loop, step), "wall_s": time.perf_counter() - began}

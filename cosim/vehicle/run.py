@@ -14,6 +14,7 @@ from ..master.recover import asked
 from ..master.recover import recover as recover_rows
 from . import scenarios
 from .closed_loop import ClosedLoop, Values, closed_loop
+from .limits import explained
 from .metrics import metrics
 from .scenarios import Scenario
 
@@ -56,8 +57,8 @@ def run(scenario: str | Scenario, controller: str = "neural", preset: Mapping[st
         options: dict[str, Any] = {"decimate": decimate, "stream": rows} if rows else {}
         bar, tell = progress_bar(plan.name, end)
         with bar:
-            flight = launch(loop.system, step, end, algorithm, tell if progress else None, isolate or loop.foreign,
-                            time_limit, plain=plain, real_time=real_time, **options)
+            flight = explained(launch(loop.system, step, end, algorithm, tell if progress else None,
+                                      isolate or loop.foreign, time_limit, plain=plain, real_time=real_time, **options))
         notes = [*loop.notes, *part_of_the_rows(flight, stream)]
         done = kept(folder, flight, said, notes, decimate, rows)
     flight.interrupted = interrupted[0] if interrupted else flight.interrupted
@@ -71,7 +72,7 @@ def recover(left: Path, out: Path | None = None) -> Run:
     `master.recover.recover` raises.
     """
     return recover_rows(left, out, "run", lambda folder, flight, said, rows: kept(
-        folder, flight, said, part_of_the_rows(flight, True), rows=rows))
+        folder, explained(flight), said, part_of_the_rows(flight, True), rows=rows))
 
 
 def kept(folder: Path, flight: Flight, said: dict[str, Any], notes: list[str], decimate: int = 1,

@@ -1,5 +1,6 @@
 """What to fly: the built-in scenarios, and one's own as YAML files."""
 from contextlib import AbstractContextManager, nullcontext
+from os.path import isfile
 from pathlib import Path
 from typing import Annotated
 
@@ -44,7 +45,7 @@ def load(word: str) -> Scenario:
     if word in BUILT_IN:
         return BUILT_IN[word]
     path = Path(word)
-    if not path.is_file():
+    if not isfile(path):
         near = nearest(word, BUILT_IN)
         hint = f" Did you mean {near}?" if near else ""
         raise UsageError(f"{word} is neither a scenario ({', '.join(BUILT_IN)}) nor a file.{hint}")

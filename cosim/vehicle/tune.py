@@ -29,6 +29,7 @@ from .closed_loop import choice, closed_loop
 from .registry import LAWS
 from .tune_flights import QUICK, SETS, Bench, Figures, Flown, vehicles
 
+LARGEST_SIGMA = 100.0  # of a logarithm: a factor of 1e43
 CHECK_EVERY = 10   # generations between two flights of the test draws
 WITHIN_FT = 20.0
 DIGITS = 4         # of a gain
@@ -183,11 +184,12 @@ def tune(law: str, preset: str | None = None, flights: str = "independent", gain
     Returns what tune.json has in `out`, else in results/tune/LAW; it is written anew after each generation. `tell` is
     told a line for each. Raises UsageError for what cannot be tuned, RunError after Ctrl-C: the best so far is kept.
     """
-    for option, value in (("evaluations", evaluations), ("draws", draws), ("seed", seed), ("workers", workers)):
-        if value < 1:
-            raise UsageError(f"--{option} {value} is not allowed: it must be at least 1.")
-    if not 0 < sigma < math.inf:
-        raise UsageError(f"--sigma {sigma:g} is not allowed: it must be a positive number.")
+    for option, value, most in (("evaluations", evaluations, 10**9), ("draws", draws, 10**6), ("seed", seed, 2**32 - 1),
+                                ("workers", workers, 1000)):
+        if not 1 <= value <= most:
+            raise UsageError(f"--{option} {value} is not allowed: it must be between 1 and {most}.")
+    if not 0 < sigma <= LARGEST_SIGMA:
+        raise UsageError(f"--sigma {sigma:g} is not allowed: it must be a positive number, at most {LARGEST_SIGMA:g}.")
     chosen = SETS[choice("flights", flights, SETS)]
     preset = preset or (LAWS[law].preset if law in LAWS else None)
     presets = {"controller": preset} if preset else {}

@@ -11,6 +11,7 @@ import small
 from places import AHV
 
 from cosim.errors import UsageError
+from cosim.master import isolated as isolated_module
 from cosim.master import last_call, loaded
 from cosim.master.flight import fly
 from cosim.master.isolated import Parent, cause_of_death, fly_isolated
@@ -166,6 +167,14 @@ def test_only_fmu_calls_count_for_the_time_limit(tmp_path, monkeypatch):
     system = System((system.components[0], system.components[1].with_values({"fault": slow})), system.connections)
     flight = fly_isolated(system, 0.7, 1.4, "jacobi", time_limit=0.5, real_time=1.0)
     assert flight.finished, flight.message
+
+
+@pytest.mark.parametrize("isolate,limit,place", [(False, None, "here"), (True, None, "apart"), (False, 0.5, "apart"),
+                                                 (True, 0.5, "apart")])
+def test_a_process_of_its_own_comes_with_a_time_limit_or_on_demand(monkeypatch, isolate, limit, place):
+    for name, answer in (("fly", "here"), ("fly_isolated", "apart")):
+        monkeypatch.setattr(isolated_module, name, lambda *arguments, answer=answer, **options: answer)
+    assert isolated_module.launch(None, 0.01, 1.0, isolate=isolate, time_limit=limit) == place
 
 
 @pytest.mark.parametrize("limit", [0.0, -1.0, float("nan")])
