@@ -81,6 +81,13 @@ def test_where_the_others_cannot_follow_the_last_row_is_a_communication_point(tm
     assert flight.time[-1] == pytest.approx(last, abs=1e-12) and flight.ticks == len(flight.time) - 1
 
 
+def test_an_fmu_that_flies_alone_ends_between_two_communication_points(tmp_path):
+    fmu = small.build(tmp_path, any_step=False)
+    alone = System((ending(fmu, 0.745).components[0],))
+    flight = here(alone, "jacobi")
+    assert flight.finished and (flight.ended_at, flight.time[-1]) == pytest.approx((0.745, 0.745), abs=1e-12)
+
+
 @pytest.mark.parametrize("algorithm", [*ALGORITHMS, "gauss-seidel,order=right+left", "variable,tolerance=1e-3"])
 @pytest.mark.parametrize("at", [0.0, 0.74])
 def test_an_fmu_that_ends_where_a_step_begins(tmp_path, algorithm, at):
