@@ -93,16 +93,20 @@ def show(report: "Report", fail_on: str, everything: bool) -> None:
     from rich.console import Console
 
     from ..conformance import formats
-    from ..conformance.report import EVERYTHING, findings_table, not_tested_table, without_markup
+    from ..conformance.report import EVERYTHING, NAIVE, findings_table, not_tested_table, without_markup
+    from ..conformance.rule import NOTE
 
     if not sys.stdout.isatty():
         print("\n".join(formats.lines(report, fail_on, everything)))
         return
-    console = Console()
+    console = Console(highlight=False)
     console.print(f"[bold]{without_markup(report.fmu.name)}[/]: {report.verdict}")
     shown = formats.main_findings(report, fail_on, everything)
-    if shown:
-        console.print(findings_table(report, shown, len(shown)))
+    naive = [f for f in shown if f.severity == NOTE and f.group == NAIVE]
+    if rows := [f for f in shown if f not in naive]:
+        console.print(findings_table(report, rows, len(rows)))
+    if naive:
+        console.print(findings_table(report, naive, len(naive), "Would a naive importer manage?"))
     if everything and report.not_tested:
         console.print(not_tested_table(report))
     for item in report.not_tested:

@@ -16,6 +16,7 @@ from .subject import Fault
 MOST_ROWS = 100
 COLOURS = {"error": "bold red", "warning": "yellow", "note": "dim"}
 HEADINGS = ("impact", "severity", "rule", "section", "variable", "found", "expected")
+NAIVE = "naive importer"  # the group of what importers need that read the standard in a hurry
 EVERYTHING = "everything dynamic"  # what is not tested when the FMU does not run
 
 
@@ -124,6 +125,8 @@ class Report:
         parts += [f"other tools may refuse it for {n} finding{'s' * (n != 1)}" for n in [found[REFUSED]] if n]
         parts += [f"{n} finding{'s are' if n != 1 else ' is'} formal" for n in [found[FORMAL]] if n]
         parts += [f"there {'is' if notes == 1 else 'are'} {notes} note{'s' * (notes != 1)}"] if notes else []
+        naive = sum(f.group == NAIVE and f.severity == NOTE for f in self.findings)
+        parts[-1:] = [f"{parts[-1]} ({naive} on what a naive importer may not bear)"] if naive else parts[-1:]
         state = "It loads and flies" if self.ran else "It was read, not run"
         if n := found[DOES_NOT_LOAD]:
             state = f"It does not load or run ({n} finding{'s say' if n != 1 else ' says'} why)"
@@ -131,8 +134,8 @@ class Report:
 
     def sorted_findings(self) -> list[Finding]:
         """By impact, then errors before warnings before notes; else in the order they were found."""
-        return sorted(self.findings, key=lambda f: (f.severity == NOTE, IMPACTS.index(f.impact),
-                                                    SEVERITIES.index(f.severity)))
+        return sorted(self.findings, key=lambda f: (f.severity == NOTE, f.severity == NOTE and f.group == NAIVE,
+                                                    IMPACTS.index(f.impact), SEVERITIES.index(f.severity)))
 
     def _repr_html_(self) -> str:
         """The findings and what was not tested, as a notebook shows them; texts from the FMU are escaped."""
@@ -168,9 +171,10 @@ def counted(report: Report) -> str:
     return ", ".join(f"{report.count(s)} {s}{'' if report.count(s) == 1 else 's'}" for s in SEVERITIES)
 
 
-def findings_table(report: Report, shown: list[Finding] | None = None, most: int = MOST_ROWS) -> Table:
+def findings_table(report: Report, shown: list[Finding] | None = None, most: int = MOST_ROWS,
+                   title: str = "") -> Table:
     """The findings, or `shown` of them, as a table for a terminal (`rich.print` it): of one rule the first `most`."""
-    table = Table(title=f"{report.fmu.name}: {counted(report)}", title_justify="left", show_lines=False)
+    table = Table(title=title or f"{report.fmu.name}: {counted(report)}", title_justify="left", show_lines=False)
     for heading in HEADINGS:
         table.add_column(heading, overflow="fold", no_wrap=heading in ("severity", "section"))
     seen: Counter[tuple[str, str]] = Counter()
