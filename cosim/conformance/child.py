@@ -36,7 +36,7 @@ def work(text: str, answers: int) -> None:
         is_loaded = loads(bench)
         if is_loaded:
             run_probe(bench, name)
-        bench.note("end", name)
+        bench.write_line({"end": name, "spent": time.process_time()})
         if not is_loaded or bench.is_over or bench.library.is_corrupt or bench.is_single:
             return  # the parent starts a new process for the remaining probes
 

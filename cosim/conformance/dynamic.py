@@ -5,7 +5,6 @@ names the probe, the mark names the call, and a new child runs the remaining pro
 """
 import contextlib
 import json
-import os
 import platform
 import sys
 import time
@@ -58,7 +57,6 @@ def run(fmu: Fmu, report: Report, work: Path, limits: Limits, cycles: int) -> No
 def run_probes(job: Job, report: Report, work: Path, limits: Limits) -> None:
     """Run the job's probes, in a new child process where one has ended."""
     deadline = time.monotonic() + limits.total_s
-    begun = computed()
     while job.probes:
         done, steps = run_child(job, report, work, limits, deadline)
         if done == 0:
@@ -74,13 +72,7 @@ def run_probes(job: Job, report: Report, work: Path, limits: Limits) -> None:
             report.skip("further wrong use", "the FMU hangs on it")
             job = replace(job, probes=[*job.probes[:done], *(n for n in job.probes[done:] if PROBES[n].legal)])
         job = replace(job, probes=job.probes[done:], steps=steps,
-                      budget=BUDGET_S - (computed() - begun))
-
-
-def computed() -> float:
-    """Seconds of computing of all processes that this one has started and that have ended."""
-    spent = os.times()
-    return spent.children_user + spent.children_system
+                      budget=BUDGET_S - report.computed_s)
 
 
 def ends_the_check(finding: Finding) -> bool:
@@ -175,6 +167,7 @@ def run_child(job: Job, report: Report, work: Path, limits: Limits, deadline: fl
         child.end()
     begun, ended, told = take_answers(child.answers, report)
     died = str(told.get("died", ""))
+    report.computed_s += float(told.get("spent", 0.0))
     if len(begun) > len(ended):
         death = stopped or died or why(child.process.returncode, limits) or "exit code 0"
         report_death(report, job, begun[-1], death, Mark.read(mark)[1], limits)
@@ -233,6 +226,7 @@ def take_answers(lines: list[str], report: Report) -> tuple[list[str], list[str]
             begun.append(line["begin"])
         elif "end" in line:
             ended.append(line["end"])
+            told["spent"] = line.get("spent", 0.0)
         else:
             told |= line
     return begun, ended, told
