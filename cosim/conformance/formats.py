@@ -51,7 +51,7 @@ def explain(rule: Rule) -> str:
     asked = ", ".join(f"FMI {number}, section {section}" for number, section in rule.sections.items())
     parts = [("asked by", asked), ("severity", rule.severity), ("if broken", rule.impact), ("why", rule.why),
              ("mend it in C", rule.c), ("in pythonfmu", rule.pythonfmu)]
-    parts += [("known of", f"{pattern}: {text}") for pattern, text in rule.tools.items()]
+    parts += [("known", text) for text in rule.tools.values()]
     told = [f"{rule.name}: {rule.says}", ""]
     for heading, text in parts:
         told.append(fill(text, WIDTH, initial_indent=f"{heading:14}", subsequent_indent=" " * 14))
