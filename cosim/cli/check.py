@@ -13,6 +13,9 @@ if TYPE_CHECKING:
     from ..conformance.report import Report
 
 
+WIDEST = 120  # characters of a line on a terminal
+
+
 class FailOn(StrEnum):
     """Which findings make the exit status 1."""
     ERROR = "error"
@@ -89,30 +92,12 @@ def check(
 
 
 def show(report: "Report", fail_on: str, everything: bool) -> None:
-    """Print a report: tables on a terminal, else one line a finding."""
-    from rich.console import Console
+    """Print a report: a page on a terminal, else one line a finding."""
+    from shutil import get_terminal_size
 
     from ..conformance import formats
-    from ..conformance.report import EVERYTHING, NAIVE, findings_table, not_tested_table, without_markup
-    from ..conformance.rule import NOTE
 
-    if not sys.stdout.isatty():
+    if sys.stdout.isatty():
+        print("\n".join([*formats.page(report, min(get_terminal_size().columns, WIDEST), fail_on, everything), ""]))
+    else:
         print("\n".join(formats.lines(report, fail_on, everything)))
-        return
-    console = Console(highlight=False)
-    console.print(f"[bold]{without_markup(report.fmu.name)}[/]: {report.verdict}")
-    shown = formats.main_findings(report, fail_on, everything)
-    naive = [f for f in shown if f.severity == NOTE and f.group == NAIVE]
-    if rows := [f for f in shown if f not in naive]:
-        console.print(findings_table(report, rows, len(rows)))
-    if naive:
-        console.print(findings_table(report, naive, len(naive), "Would a naive importer manage?"))
-    if everything and report.not_tested:
-        console.print(not_tested_table(report))
-    for item in report.not_tested:
-        if item.what == EVERYTHING and not everything:
-            console.print(f"not tested: {item.what}: {without_markup(item.why)}")
-    if not everything and (rest := formats.left_out(report, shown)):
-        console.print(rest)
-    if shown:
-        console.print(f"`ahv check --explain {shown[0].rule}` says why and how to mend it.")

@@ -172,22 +172,21 @@ def counted(report: Report) -> str:
     return ", ".join(f"{report.count(s)} {s}{'' if report.count(s) == 1 else 's'}" for s in SEVERITIES)
 
 
-def findings_table(report: Report, shown: list[Finding] | None = None, most: int = MOST_ROWS,
-                   title: str = "") -> Table:
-    """The findings, or `shown` of them, as a table for a terminal (`rich.print` it): of one rule the first `most`."""
-    table = Table(title=title or f"{report.fmu.name}: {counted(report)}", title_justify="left", show_lines=False)
+def findings_table(report: Report) -> Table:
+    """The findings as a table for a terminal (`rich.print` it): of one rule and severity the first MOST_ROWS."""
+    table = Table(title=f"{report.fmu.name}: {counted(report)}", title_justify="left", show_lines=False)
     for heading in HEADINGS:
         table.add_column(heading, overflow="fold", no_wrap=heading in ("severity", "section"))
     seen: Counter[tuple[str, str]] = Counter()
-    for f in report.sorted_findings() if shown is None else shown:
+    for f in report.sorted_findings():
         seen[f.severity, f.rule] += 1
-        if seen[f.severity, f.rule] <= most:
+        if seen[f.severity, f.rule] <= MOST_ROWS:
             severity = f"[{COLOURS[f.severity]}]{f.severity}[/]"
             texts = map(without_markup, (f.variable, f.found, f.expected))
             table.add_row(f.impact, severity, f.rule, f.section, *texts)
     for (severity, rule), number in seen.items():
-        if number > most:
-            table.add_row("", severity, rule, "", f"{number - most} more", "`ahv check --json` lists them", "")
+        if number > MOST_ROWS:
+            table.add_row("", severity, rule, "", f"{number - MOST_ROWS} more", "`ahv check --json` lists them", "")
     return table
 
 
