@@ -10,7 +10,7 @@ from rich.table import Table
 
 from ..errors import UsageError, did_you_mean
 from ..text import html_table, html_text, printable
-from .rule import DOES_NOT_LOAD, ERROR, FORMAL, IMPACTS, NOTE, REFUSED, RULES, SEVERITIES, WRONG_RESULTS
+from .rule import DOES_NOT_LOAD, ERROR, FORMAL, IMPACTS, NOTE, RULES, SEVERITIES, WRONG_RESULTS
 from .subject import Fault
 
 MOST_ROWS = 100
@@ -120,18 +120,19 @@ class Report:
     @property
     def verdict(self) -> str:
         """What the findings mean, in one sentence."""
-        found = Counter(f.impact for f in self.findings if f.severity != NOTE)
-        notes = self.count(NOTE)
-        parts = [f"{n} finding{'s' * (n != 1)} can give wrong results" for n in [found[WRONG_RESULTS]] if n]
-        parts += [f"other tools may refuse it for {n} finding{'s' * (n != 1)}" for n in [found[REFUSED]] if n]
-        parts += [f"{n} finding{'s are' if n != 1 else ' is'} formal" for n in [found[FORMAL]] if n]
-        parts += [f"there {'is' if notes == 1 else 'are'} {notes} note{'s' * (notes != 1)}"] if notes else []
-        naive = sum(f.group == NAIVE and f.severity == NOTE for f in self.findings)
-        parts[-1:] = [f"{parts[-1]} ({naive} on what a naive importer may not bear)"] if naive else parts[-1:]
+        loads, wrong, refused, formal = (amount([f for f in self.findings if f.severity != NOTE and f.impact == impact])
+                                         for impact in IMPACTS)
+        parts = [f"{wrong} can give wrong results"] if wrong else []
+        parts += [f"other tools may refuse it for {refused}"] if refused else []
+        parts += [f"{formal} {'is' if formal.startswith('1 ') else 'are'} formal"] if formal else []
+        if notes := self.count(NOTE):
+            naive = sum(f.group == NAIVE and f.severity == NOTE for f in self.findings)
+            parts.append(f"there {'is 1 note' if notes == 1 else f'are {notes} notes'}"
+                         + (f" ({naive} on what a naive importer may not bear)" if naive else ""))
         state = "It loads and flies" if self.ran else "It was read, not run"
-        if n := found[DOES_NOT_LOAD]:
-            state = f"It does not load or run ({n} finding{'s say' if n != 1 else ' says'} why)"
-        return f"{state}; {', '.join(parts) or 'nothing else was found' if n else ', '.join(parts) or 'no findings'}."
+        if loads:
+            state = f"It does not load or run ({loads} say{'s' if loads.startswith('1 ') else ''} why)"
+        return f"{state}; {', '.join(parts) or ('nothing else was found' if loads else 'no findings')}."
 
     def sorted_findings(self) -> list[Finding]:
         """By impact, then errors before warnings before notes; else in the order they were found."""
@@ -146,6 +147,13 @@ class Report:
         sentence = f"<p>{html_text(self.verdict)}</p>"
         tables = f"{findings if self.findings else ''}{untested if self.not_tested else ''}"
         return f"<p><b>{verdict}</b></p>{sentence}{tables}"
+
+
+def amount(findings: list[Finding]) -> str:
+    """How many findings there are, in words: a rule counts once, wherever it is broken; empty for none."""
+    rules = len({f.rule for f in findings})
+    places = f" (in {len(findings)} places)" if len(findings) > rules else ""
+    return f"{rules} finding{'s' * (rules != 1)}{places}" if rules else ""
 
 
 def to_dict(report: Report) -> dict[str, Any]:

@@ -92,8 +92,9 @@ def test_a_terminal_gets_a_page_that_leaves_words_whole(report: Report, monkeypa
     brief, full = shown(report, False), shown(report, True)
     assert " ".join(brief.split()).startswith(f"Plant.fmu: {report.verdict} wrong results error: dynamic.start-value")
     assert "header.date" not in brief and "--explain dynamic.start-value" in brief
-    assert [part.splitlines()[0] for part in full.split("\n\n")][1:6] == ["wrong results", "other tools refuse it", "formal", "Would a naive importer manage?",
-                            "not tested (it ran in the sandbox: none)"]
+    assert [part.splitlines()[0] for part in full.strip().split("\n\n")][1:6] == [
+        "wrong results", "other tools refuse it", "formal", "Would a naive importer manage?",
+        "not tested (it ran in the sandbox: none)"]
     assert RULES["dynamic.start-value"].says in " ".join(full.split())
     assert shown(Report(Path("a.fmu"), sandbox="none"), True) == "a.fmu: It loads and flies; no findings.\n\n"
 
