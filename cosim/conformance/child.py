@@ -83,6 +83,7 @@ def report_no_instance(bench: Bench, name: str) -> None:
     if number > 1:
         found += f" for instance number {number} of the process, while fewer than 3 were alive (probe '{name}')"
         impact = "other tools refuse it"
+        bench.is_over = True  # a fresh process may do better
     bench.fault("dynamic.instantiate", "fmi2Instantiate", found, "an instance", severity, impact)
 
 
