@@ -106,12 +106,13 @@ def members(fmu: Path) -> Iterator[tuple[str, bytes]]:
 
 
 def runtime(files: Mapping[str, FmuFile]) -> dict[str, bytes]:
-    """The runtime's libraries, for the platforms that all FMUs have, and its licence. Raises UsageError without one."""
+    """The runtime's libraries, for the platforms that all FMUs have, and its licence.
+
+    Raises UsageError where they have none in common.
+    """
     import fmpy
 
     folder = Path(fmpy.__file__).parent / RUNTIME / "binaries"
-    if not folder.is_dir():
-        raise UsageError(f"FMPy {fmpy.__version__} has no container runtime; 0.3.28 has one.")
     platforms = [p for p in PLATFORMS if all((f.folder / "binaries" / p).is_dir() for f in files.values())]
     if not platforms:
         raise UsageError(f"The FMUs have no platform in common of {', '.join(PLATFORMS)}.")

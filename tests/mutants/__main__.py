@@ -42,7 +42,7 @@ RESULTS = ROOT / "results" / "mutants.jsonl"
 JUDGED = Path(__file__).with_name("judged.yaml")
 LIBRARIES = ("pytest", "casadi", "fmpy.fmi2", "lxml.etree", "pythonfmu", "pyarrow.parquet", "pydantic", "scipy.stats",
              "scipy.signal", "hypothesis.strategies", "matplotlib.figure", "typer", "rich.console", "numba")
-PYTEST = ["-x", "-q", "--no-header", "--tb=line", "-p", "no:cacheprovider", "-m", "not slow"]
+PYTEST = ["-x", "-q", "--no-header", "--tb=line", "-p", "no:cacheprovider", "-m", "not slow and not peers"]
 PDEATHSIG = 1
 SECONDS = {"processor": 300, "asleep": 600}  # of a stage; what computes longer, or does nothing for so long, hangs
 
