@@ -41,7 +41,7 @@ demo: .venv/flying
 	$(BIN)/ahv run case1 --flavour python
 	@echo "Flying an uncertain vehicle with two laws. One of them loses it."
 	$(BIN)/ahv compare docs/scenarios/uncertain.yaml --controller neural --controller resilient --flavour python || test $$? -eq 1
-	@echo "The figures are in results/case1/figures and results/compare_uncertain. 'make build' adds the native FMUs, which need no Python."
+	@echo "The figures are in results/run/case1/figures and results/compare/uncertain. 'make build' adds the native FMUs, which need no Python."
 
 test: build
 	$(BIN)/python -m pytest -n 2 --dist loadfile -m 'not slow and not peers'

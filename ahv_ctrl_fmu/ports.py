@@ -12,8 +12,8 @@ NOMINAL_VEHICLE = SimpleNamespace(**{name: value for name, _, value, _ in COEFFI
 
 # name, causality, unit, start, min, max, nominal, description.
 PORTS = [
-    ("V", "input", "ft/s", 7700.0, None, None, 1000.0, "measured velocity"),
-    ("h", "input", "ft", 85000.0, None, None, 1000.0, "measured altitude"),
+    ("V", "input", "ft/s", 7700.0, 4000.0, 16000.0, 1000.0, "measured velocity"),
+    ("h", "input", "ft", 85000.0, 40000.0, 160000.0, 1000.0, "measured altitude"),
     ("gamma", "input", "rad", 0.0, None, None, 0.01, "measured flight-path angle"),
     ("theta", "input", "rad", 1.6325 * DEG, None, None, 0.01, "measured pitch angle"),
     ("Q", "input", "rad/s", 0.0, None, None, 0.01, "measured pitch rate"),

@@ -13,7 +13,7 @@ A model is a module with
     prepare(m, p, h) -> c                  optional: numbers that depend on parameters and step only
 where m is the mathematics backend (`fmus.floats` or `fmus.symbols`) and u, p have the inputs and the
 parameters as attributes. A model with a parameter `internal_step` is advanced in equal steps no longer
-than that; the range of an output is where the model is valid.
+than that; the range of an output is where the model is valid, the range of an input where it can start.
 
 `fmus.check_model` finds the mistakes of a model before it becomes an FMU; nothing here looks for them.
 """

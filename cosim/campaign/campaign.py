@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import RunError
+from ..master.folder import claimed
 from .plan import load
 from .store import Store
 
@@ -16,9 +17,8 @@ def campaign(path: Path, out: Path | None = None, scheduler: str | None = None, 
     """
     began = time.perf_counter()
     plan = load(path)
-    folder = out or Path("results") / plan.campaign.name
-    store = Store(folder, plan)
-    with store.locked():
+    with claimed(out, "campaign", plan.campaign.name) as folder:
+        store = Store(folder, plan)
         store.prepare(resume, path.read_text())
         flown, flying_s = (0, 0.0) if store.complete else fly(plan, store, scheduler, workers)
         from .report import write  # imports matplotlib, which is slow

@@ -4,15 +4,16 @@ import json
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from os.path import isfile
 from pathlib import Path
 from typing import Any
 
 from ..errors import UsageError
 from ..master.algorithms import method
+from ..master.connections import checked_connections, recorded_names
 from ..master.flight import tick_count
 from ..master.loaded import open_files
 from ..master.system import System, Value
-from ..master.wiring import checked_connections, recorded_names
 from ..vehicle import scenarios
 from ..vehicle.closed_loop import FLAVOURS, ClosedLoop, assignments, closed_loop, names_file
 from ..vehicle.metrics import METRICS, needed
@@ -143,7 +144,7 @@ def make(campaign: Campaign, source: Source) -> Plan:
 def beside(path: Path, scenario: str) -> str:
     """`scenario`, or the path of the file of that name beside the campaign file at `path`."""
     file = path.parent / scenario
-    return str(file.resolve()) if scenario not in scenarios.BUILT_IN and file.is_file() else scenario
+    return str(file.resolve()) if scenario not in scenarios.BUILT_IN and isfile(file) else scenario
 
 
 def loop_of(campaign: Campaign, scenario: Scenario, law: Law, folder: Path) -> ClosedLoop:

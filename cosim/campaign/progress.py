@@ -20,8 +20,8 @@ def shown(title: str, total: int, rows: int, successes: int, dashboard: str) -> 
     if dashboard:
         console.print(f"Dask dashboard: {dashboard}", highlight=False)
     began, before = time.monotonic(), rows
-    with Progress(TextColumn(title), BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[rates]}"),
-                  TimeRemainingColumn(), console=console) as bar:
+    with Progress(TextColumn(title, markup=False), BarColumn(), MofNCompleteColumn(),
+                  TextColumn("{task.fields[rates]}"), TimeRemainingColumn(), console=console) as bar:
         task = bar.add_task(title, total=total, completed=rows, rates="")
 
         def update(more: int, good: int) -> None:

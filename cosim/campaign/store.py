@@ -7,11 +7,9 @@
 A task's part of runs.parquet is written last, and appears as a whole: where it exists, the task is complete. The final
 files are the parts in order, so they do not depend on which worker flew what, or when.
 """
-import fcntl
 import json
 import shutil
 from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +17,6 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from ..errors import UsageError
-from ..master.results import prepare_folder
 from ..master.whole_file import whole
 from ..vehicle.metrics import METRICS, OVER_TIME
 from .plan import Plan
@@ -71,7 +68,6 @@ class Store:
 
         Raises UsageError if it has a campaign already, unless `resume` is set and that campaign is the same.
         """
-        prepare_folder(self.folder)
         head = self.folder / "campaign.json"
         if head.exists() and (self.complete or any(self.parts.glob("runs-*"))):
             if not resume:
@@ -86,18 +82,7 @@ class Store:
             self.parts.mkdir(exist_ok=True)
         (self.folder / "campaign.yaml").write_text(text)
         with whole(head) as partial:
-            partial.write_text(json.dumps(self.plan.fingerprint, indent=2) + "\n")
-
-    @contextmanager
-    def locked(self) -> Iterator[None]:
-        """Keep other processes from writing here. Raises UsageError if one does already."""
-        prepare_folder(self.folder)
-        with open(self.folder / ".lock", "w") as lock:
-            try:
-                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except BlockingIOError:
-                raise UsageError(f"Another campaign is writing to {self.folder} just now.") from None
-            yield
+            partial.write_text(json.dumps({"kind": "campaign", **self.plan.fingerprint}, indent=2) + "\n")
 
     def has(self, first: int) -> bool:
         """Whether the task with the first run `first` is done."""

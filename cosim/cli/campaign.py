@@ -12,9 +12,10 @@ from .show import report
 def campaign(
     file: Annotated[Path, typer.Argument(help="A campaign file, see docs/campaigns.md.")],
     scheduler: Annotated[str | None, typer.Option(metavar="ADDRESS", help="Dask scheduler; else a local one.")] = None,
-    workers: Annotated[int | None, typer.Option(help="Local worker processes; else one for each core.", min=1)] = None,
+    workers: Annotated[int | None, typer.Option(help="Local worker processes; else one for each core.", min=1,
+                                                          max=1000)] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Continue an interrupted campaign.")] = False,
-    out: Annotated[Path | None, typer.Option(help="Folder; else results/NAME.")] = None,
+    out: Annotated[Path | None, typer.Option(help="Folder; else results/campaign/NAME.")] = None,
     as_json: Json = False,
 ) -> None:
     """Fly many uncertain runs on Dask, and report how often they succeed."""

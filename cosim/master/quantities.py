@@ -93,7 +93,7 @@ def in_unit_of(variable: "Variable", description: "Description", text: str, full
     Known are the variable's unit, its display units, and the units of the FMU that measure the same. `full` names the
     variable in messages. Raises UsageError for another unit.
     """
-    found = None if is_number(text) or variable.type != "Real" else QUANTITY.fullmatch(text)
+    found = None if is_number(text) or variable.family != "Real" else QUANTITY.fullmatch(text)
     if found is None:
         return text
     number, word = float(found[1]), found[2]

@@ -6,7 +6,6 @@ repeated: algebraic loops are refused. It hands values on as they are: factors a
 """
 import json
 import re
-import zipfile
 from collections.abc import Iterator, Mapping
 from fnmatch import fnmatchcase
 from importlib.metadata import distribution
@@ -16,11 +15,11 @@ from typing import Any
 from fmus import pack
 
 from ..errors import UsageError, did_you_mean
+from ..master.connections import checked_connections
 from ..master.fmu import FmuFile
 from ..master.initialise import order
 from ..master.loaded import open_files
 from ..master.system import Connection, System
-from ..master.wiring import checked_connections
 from .container_description import RUNTIME, Port, description
 
 PLATFORMS = {"linux64": ("x86_64-linux", ".so"), "win64": ("x86_64-windows", ".dll"),
@@ -41,6 +40,9 @@ def write_container(path: Path, name: str, system: System, step: float, stop: fl
     system that the runtime cannot fly as our master does.
     """
     with open_files(system) as files:
+        for component, file in files.items():
+            if file.description.version != "2.0":
+                raise UsageError(f"{component} is FMI {file.description.version}; a container holds FMI 2.0 only.")
         targets = checked_connections(system, files)
         ports = chosen(system, files, targets, connectors)
         opened = {p.full: targets.pop(p.full) for p in ports if p.full in targets}
@@ -48,7 +50,7 @@ def write_container(path: Path, name: str, system: System, step: float, stop: fl
         check_names(ports)
         places = {c.name: f"{i}_{re.sub(r'[^A-Za-z0-9]', '_', c.name)}" for i, c in enumerate(system.components)}
         contents = {f"resources/{places[c.name]}/{member}": data for c in system.components
-                    for member, data in members(c.fmu)}
+                    for member, data in members(files[c.name].folder)}
         contents |= runtime(files)
         setup = configuration(system, files, places, ports, targets, step)
         guid = f"{{{pack.digest({**contents, 'setup': json.dumps(setup).encode()})[:32]}}}"
@@ -97,12 +99,11 @@ def check_names(ports: list[Port]) -> None:
             raise UsageError(f"Two connectors are called {port.name}: {other} and {port.full}.")
 
 
-def members(fmu: Path) -> Iterator[tuple[str, bytes]]:
-    """The files in an FMU that was opened before: path, content."""
-    with zipfile.ZipFile(fmu) as archive:
-        for member in archive.namelist():
-            if not member.endswith("/"):
-                yield member.replace("\\", "/"), archive.read(member)
+def members(folder: Path) -> Iterator[tuple[str, bytes]]:
+    """The files of an extracted FMU: path, content."""
+    for path in folder.rglob("*"):
+        if path.is_file():
+            yield path.relative_to(folder).as_posix(), path.read_bytes()
 
 
 def runtime(files: Mapping[str, FmuFile]) -> dict[str, bytes]:

@@ -32,6 +32,8 @@ def write(path: Path, name: str, system: System, step: float, stop: float) -> No
 
     Raises UsageError for values or connections that do not fit the FMUs, or if `path` cannot be written.
     """
+    if not path.name:
+        raise UsageError(f"--out {path} is not allowed: it names no file.")
     with open_files(system) as files:
         places = fmu_places(files)
         contents = {places[c.name]: c.fmu.read_bytes() for c in system.components}

@@ -44,7 +44,8 @@ LIBRARIES = ("pytest", "casadi", "fmpy.fmi2", "lxml.etree", "pythonfmu", "pyarro
              "scipy.signal", "hypothesis.strategies", "matplotlib.figure", "typer", "rich.console", "numba")
 PYTEST = ["-x", "-q", "--no-header", "--tb=line", "-p", "no:cacheprovider", "-m", "not slow and not peers"]
 PDEATHSIG = 1
-SECONDS = {"processor": 300, "asleep": 600}  # of a stage; what computes longer, or does nothing for so long, hangs
+SECONDS = {"processor": 150, "asleep": 600}  # of a stage; what computes longer, or does nothing for so long, hangs
+BYTES = 6 << 30  # what fills more memory fails
 
 
 def judged() -> dict[tuple, str]:
@@ -128,6 +129,7 @@ class Copy:
             os.dup2(out, 1)
             os.dup2(out, 2)
             resource.setrlimit(resource.RLIMIT_CPU, (SECONDS["processor"], SECONDS["processor"] + 5))
+            resource.setrlimit(resource.RLIMIT_DATA, (BYTES, BYTES))
             os.environ.update(PYTHONPATH=str(self.root), PYTHONDONTWRITEBYTECODE="1", CI="1")
             sys.dont_write_bytecode = True  # bytecode is taken for a file's if time and size agree
             sys.path[0] = str(self.root)
@@ -197,7 +199,7 @@ copy: Copy
 def begin(folder: str) -> None:
     """A worker begins: with its copy below `folder`, and with what all trials need."""
     global copy
-    os.nice(19)
+    os.nice(max(0, 10 - os.nice(0)))  # no more than others of this machine that compute in the background
     copy = Copy(folder)
     compileall.compile_dir(copy.root, quiet=2)
     for library in LIBRARIES:

@@ -107,6 +107,36 @@ def test_signals_are_kept_of_the_failures_and_of_the_share(whole):
     assert failed < kept and 0 < len({run for run, _ in kept} | shared) < 24
 
 
+def test_kept_signals_have_every_tenth_row_and_the_last(whole):
+    times = {}
+    for row in pq.read_table(whole[1] / "signals.parquet", columns=["run", "controller", "time"]).to_pylist():
+        times.setdefault((row["run"], row["controller"]), []).append(row["time"])
+    ends = {(r["run"], r["controller"]): r["departed_at_s"] or 10.0 for r in rows(whole[1])}
+    assert any(ends[one] < 10 for one in times)
+    for one, found in times.items():
+        assert found[-1] == pytest.approx(ends[one], abs=1e-9) and found[:-1] == pytest.approx(
+            [0.1 * i for i in range(len(found) - 1)], abs=1e-9) and found[-1] - found[-2] < 0.1 + 1e-9
+
+
+def test_errors_over_time_are_those_of_the_signals(whole):
+    signals = pq.read_table(whole[1] / "signals.parquet").to_pylist()
+    ends = {(r["run"], r["controller"]): r["departed_at_s"] or 10.0 for r in rows(whole[1])}
+    compared = 0
+    for row in pq.read_table(whole[1] / "errors.parquet").to_pylist():
+        one = row["run"], row["controller"]
+        assert row["time"] == pytest.approx([0.1 * i for i in range(101) if 0.1 * i <= ends[one] + 1e-9], abs=1e-9)
+        kept = [s["plant.h"] - s["controller.h_reference"] for s in signals if (s["run"], s["controller"]) == one]
+        if kept:
+            count = min(len(kept), len(row["time"]))
+            assert row["altitude_error_ft"][:count] == pytest.approx(kept[:count], rel=1e-4, abs=1e-3)
+            compared += count
+    assert compared > 100
+
+
+def test_only_the_final_files_stay(whole):
+    assert not (whole[1] / "parts").exists() and all((whole[1] / name).exists() for name in TABLES)
+
+
 def test_one_worker_and_another_division_into_tasks_give_the_same_rows(whole, tmp_path):
     file = written(tmp_path, runs_per_task=7)
     ahv("campaign", file, "--out", tmp_path / "out", "--workers", 1)
@@ -118,7 +148,9 @@ def test_a_folder_with_another_campaign_is_left_alone(whole, tmp_path):
     assert "--resume continues it" in fly(whole[0], whole[1], status=2)
     said = fly(written(tmp_path, seed=4), whole[1], "--resume", status=2)
     assert "another campaign" in said and "seed has changed" in said
-    assert json.loads(fly(whole[0], whole[1], "--resume"))["runs_flown_now"] == 0
+    began = time.perf_counter()
+    printed = json.loads(fly(whole[0], whole[1], "--resume"))
+    assert printed["runs_flown_now"] == 0 and 0 < printed["wall_s"] < time.perf_counter() - began
     assert tables(whole[1]) == before
 
 

@@ -112,6 +112,13 @@ def test_info_reads_other_fmi_versions(tmp_path):
     assert "license: BSD-2-Clause" in str(about) and "made by: hand 2026-01-02T03:04:05Z" in str(about)
 
 
+@pytest.mark.parametrize("text,value", [("true", True), ("1", True), (" 1 ", True), ("false", False), ("0", False),
+                                        ("yes", "yes")])
+def test_info_reads_truths_as_xml_writes_them(tmp_path, text, value):
+    about = cosim.info(written(tmp_path / "three.fmu", FMI_3.replace('start="true"', f'start="{text}"')))
+    assert about["on"].start is value or about["on"].start == value == text
+
+
 @pytest.mark.parametrize("content,sentence", [
     (None, "cannot be opened: there is no file"), (b"x", "is not a zip file"),
     ("<nothing/>", "cannot be read as an FMU"), ("not XML", "cannot be read as an FMU")])

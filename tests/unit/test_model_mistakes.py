@@ -116,6 +116,7 @@ MISTAKES = {
     "a preset of an output": ('{"rate": 1.0}', '{"level": 1.0}', "the preset slow sets level, which is no parameter ("),
     "a preset out of range": ('{"rate": 1.0}', '{"rate": -1.0}',
         "the preset slow sets rate, but the value -1.0 is outside [0.0, 5.0]"),
+    "a preset that is no word": ('"slow"', "3", "the preset name 3 is not allowed; it becomes"),
     "a preset that cannot be a file": ('"slow"', '"../slow"', "the preset name '../slow' is not allowed; it becomes"),
     "a state that grows": ("return [c[0] * x[0] + m.where(u.open, u.flow, 0.0) * h]", "return [*x, *x]",
         "advance() returns 2 states, but start() 1; their number is fixed"),

@@ -56,7 +56,7 @@ DEFECTS: tuple[Defect, ...] = (
     _swap("xml.encoding-declared", "no encoding declared", '<?xml version="1.0" encoding="UTF-8"?>\n', ""),
     _swap("xml.well-formed", "an element left open", "</ModelStructure>", ""),
     _swap("xml.entities", "a harmless entity", '"UTF-8"?>', '"UTF-8"?>\n<!DOCTYPE a [<!ENTITY b "c">]>'),
-    _swap("xml.fmi-version", "an FMI 3.0 description", 'fmiVersion="2.0"', 'fmiVersion="3.0"'),
+    _swap("xml.fmi-version", "an FMI 1.0 description", 'fmiVersion="2.0"', 'fmiVersion="1.0"'),
     _swap("xml.schema", "no GUID", f" {_GUID}", ""),
     _swap("xml.schema", "an unknown attribute", 'modelName="Fixture"', 'modelName="Fixture" colour="red"'),
     _edit("xml.schema", "an unknown causality", "label", 'causality="parameter"', 'causality="knob"'),
@@ -177,7 +177,18 @@ DEFECTS: tuple[Defect, ...] = (
         _LOCAL.format("g2", 7, "constant", "", 'start="9.8"'),
     ),
     _edit("alias.unit", "an alias in seconds", "plant.x[1]", 'unit="m"', 'unit="s"'),
+    _before(
+        "alias.variability", "a discrete alias", _LAST_VARIABLE, _LOCAL.format("x2", 1, "discrete", "", 'unit="m"')
+    ),
+    _before(
+        "alias.independent",
+        "a parameter that is time",
+        _LAST_VARIABLE,
+        _LOCAL.format("t2", 0, "tunable", 'causality="parameter"', 'unit="s" start="0"'),
+    ),
     # 2.2.9: names
+    _before("variable.derivative-name", "an Integer derivative", _LAST_VARIABLE,
+            '<ScalarVariable name="der(n)" valueReference="9" variability="discrete"><Integer/></ScalarVariable>'),
     _edit("variable.structured-name", "a name that begins with a digit", "g", 'name="g"', 'name="9g"'),
     _edit("variable.structured-name", "an open bracket", "plant.x[1]", "plant.x[1]", "plant.x[1"),
     _swap("variable.flat-name", "a line feed in a flat name", _STRUCTURED, _FLAT, 'name="g"', 'name="a&#10;g"'),
@@ -236,5 +247,10 @@ DEFECTS: tuple[Defect, ...] = (
         _Y_OUTPUT,
         'index="13" dependencies="2 4 8" dependenciesKind="tunable constant dependent"',
     ),
+    # What naive importers do not bear: the correct FMU has the first two
+    _swap("naive.non-real-output", "outputs of all types"),
+    _swap("naive.needs-inputs", "outputs that depend on inputs at once"),
+    _swap("naive.unit-name", "a unit with a root", '<Unit name="1/s">', '<Unit name="sqrt(s-2)">', 'unit="1/s"',
+          'unit="sqrt(s-2)"'),
     _swap("dependency.missing", "an output without dependencies", _COUNT_OUTPUT, '<Unknown index="8"/>'),
 )

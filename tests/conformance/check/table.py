@@ -95,9 +95,9 @@ def by_rule(found: dict[Case, Found]) -> list[str]:
         "| rule | section | severity | says | defects | fmpy | fmutool | ours |",
         "|---|---|---|---|---|---|---|---|",
     ]
-    for name, rule in sorted(RULES.items(), key=lambda item: (item[1].section, item[0])):
+    for name, rule in sorted(RULES.items(), key=lambda item: (item[1].sections["2.0"], item[0])):
         counts = [str(len(groups[name])), *_sums(groups[name])]
-        lines.append(f"| {name} | {rule.section} | {rule.severity} | {rule.summary} | {' | '.join(counts)} |")
+        lines.append(f"| {name} | {rule.sections['2.0']} | {rule.severity} | {rule.says} | {' | '.join(counts)} |")
     return lines
 
 
