@@ -1,5 +1,6 @@
 """A system as one FMU: flown by FMPy it is the flight of our master with the algorithm jacobi."""
 import subprocess
+import zipfile
 
 import fmpy
 import numpy as np
@@ -198,3 +199,13 @@ def test_options_of_scenarios_are_refused_for_an_ssp(tmp_path):
     assert done.returncode == 2 and "is an SSP" in done.stderr
     done = container(tmp_path / "gains.ssp", "--set", "c.k=2")
     assert done.returncode == 2 and "--set c: there is no such component" in done.stderr
+
+
+def test_a_container_holds_fmi_2_only(tmp_path):
+    text = ('<fmiModelDescription fmiVersion="3.0" modelName="m" instantiationToken="t"><CoSimulation '
+            'modelIdentifier="m"/><ModelVariables><Float64 name="y" valueReference="1" causality="output"/>'
+            '</ModelVariables><ModelStructure><Output valueReference="1"/></ModelStructure></fmiModelDescription>')
+    with zipfile.ZipFile(tmp_path / "three.fmu", "w") as archive:
+        archive.writestr("modelDescription.xml", text)
+    with pytest.raises(UsageError, match=r"^c is FMI 3\.0; a container holds FMI 2\.0 only\.$"):
+        write_container(tmp_path / "x.fmu", "x", cosim.System([cosim.Component("c", tmp_path / "three.fmu")]), STEP, 1)
