@@ -27,10 +27,11 @@ PLATFORMS = {"linux64": ("x86_64-linux", ".so"), "win64": ("x86_64-windows", ".d
 KINDS = {"Real": "Float64", "Integer": "Int32", "Enumeration": "Int32", "Boolean": "Boolean", "String": "String"}
 
 
-def write_container(path: Path, name: str, system: System, step: float, stop: float,
+def write_container(path: Path, name: str, system: System, step: float, stop: float | None,
                     connectors: list[str] | None = None) -> list[str]:
     """Write `system` to `path` as one FMU 2.0 for co-simulation, which exchanges values every `step` (s) and can be
-    stepped by multiples of that. The same system gives the same bytes.
+    stepped by multiples of that; `stop` (s) is what its default experiment suggests. The same system gives the same
+    bytes.
 
     Its inputs and outputs are `connectors`, [NAME=]COMPONENT.VARIABLE each, * for any; None: every output, and every
     input that nothing feeds. An input that is named takes the place of the connection that feeds it. Parameters keep
