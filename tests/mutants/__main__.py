@@ -43,7 +43,7 @@ JUDGED = Path(__file__).with_name("judged.yaml")
 LIBRARIES = ("pytest", "casadi", "fmpy.fmi2", "lxml.etree", "pythonfmu", "pyarrow.parquet", "pydantic", "scipy.stats",
              "scipy.signal", "hypothesis.strategies", "matplotlib.figure", "typer", "rich.console", "numba",
              "distributed")
-PYTEST = ["-x", "-q", "--no-header", "--tb=line", "-p", "no:cacheprovider", "-m", "not slow"]
+PYTEST = ["-x", "-q", "--no-header", "--tb=line", "-p", "no:cacheprovider", "-m", "not slow and not peers"]
 PDEATHSIG = 1
 SECONDS = {"processor": 90, "asleep": 600}  # of a stage; what computes longer, or does nothing for so long, hangs
 BYTES = 6 << 30  # what fills more memory fails
