@@ -32,6 +32,7 @@ def container(
 ) -> None:
     """Write a system as one FMU, which exchanges values as the algorithm jacobi does."""
     from ..master.flight import tick_count
+    from ..master.folder import expanded
     from ..ssp.container import write_container
     from ..ssp.load import load_ssp
     from ..vehicle import scenarios
@@ -43,15 +44,15 @@ def container(
                 raise UsageError(f"--controller, --preset, --flavour, --plant and --uncertainty are for scenarios; "
                                  f"{system} is an SSP.")
             found = stack.enter_context(load_ssp(system))
-            name, what, stop = found.name, with_values(found, assignments(set_)), found.stop or 1.0
+            name, what, stop = found.name, with_values(found, assignments(set_)), found.stop
         else:
             plan = scenarios.load(system)
             loop = closed_loop(plan, controller, plant, flavour, chosen_presets(preset), assignments(set_), uncertainty)
             note(loop.notes)
             name, what, stop = plan.name, loop.system, plan.stop
-        size = step or what.step or DEFAULT_STEP
-        tick_count(size, stop)
-        path = out or Path("results") / f"{Path(system).stem}.fmu"
+        size = what.step or DEFAULT_STEP if step is None else step
+        tick_count(size, size if stop is None else stop)
+        path = expanded(out) if out else Path("results") / f"{Path(system).stem}.fmu"
         note(write_container(path, name, what, size, stop, connector or None))
     print(path, file=sys.stderr)
 

@@ -63,13 +63,15 @@ def publish(folder: Path, kind: str, record: dict[str, Any], must: Fill, extras:
     folder, and the former ones stay; without room there, `less` writes as much as fits. Signals that ask for an end
     wait until all is in place; extras that have not begun are left out.
 
-    `rows` is the file that `must` reads, if it does. It stays where this fails, so there is nothing to fall back to,
-    and a signal ends the writing.
+    `rows` is the file that `must` reads, if it does. It goes when all is in place. Where this fails it stays, so there
+    is nothing to fall back to, and a signal ends the writing.
     """
     def put(place: Path, fill: Fill, **more: str) -> str:
         left_out = stage(place, kind, {**record, **more}, fill, extras, signals)
         with held():
             move(place, kind)
+            if rows:
+                forget(rows.parent.parent)
         return left_out
 
     with ExitStack() as stack:

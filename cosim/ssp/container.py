@@ -6,7 +6,6 @@ repeated: algebraic loops are refused. It hands values on as they are: factors a
 """
 import json
 import re
-import zipfile
 from collections.abc import Iterator, Mapping
 from fnmatch import fnmatchcase
 from importlib.metadata import distribution
@@ -28,10 +27,11 @@ PLATFORMS = {"linux64": ("x86_64-linux", ".so"), "win64": ("x86_64-windows", ".d
 KINDS = {"Real": "Float64", "Integer": "Int32", "Enumeration": "Int32", "Boolean": "Boolean", "String": "String"}
 
 
-def write_container(path: Path, name: str, system: System, step: float, stop: float,
+def write_container(path: Path, name: str, system: System, step: float, stop: float | None,
                     connectors: list[str] | None = None) -> list[str]:
     """Write `system` to `path` as one FMU 2.0 for co-simulation, which exchanges values every `step` (s) and can be
-    stepped by multiples of that. The same system gives the same bytes.
+    stepped by multiples of that; `stop` (s) is what its default experiment suggests. The same system gives the same
+    bytes.
 
     Its inputs and outputs are `connectors`, [NAME=]COMPONENT.VARIABLE each, * for any; None: every output, and every
     input that nothing feeds. An input that is named takes the place of the connection that feeds it. Parameters keep
@@ -41,6 +41,9 @@ def write_container(path: Path, name: str, system: System, step: float, stop: fl
     system that the runtime cannot fly as our master does.
     """
     with open_files(system) as files:
+        for component, file in files.items():
+            if file.description.version != "2.0":
+                raise UsageError(f"{component} is FMI {file.description.version}; a container holds FMI 2.0 only.")
         targets = checked_connections(system, files)
         ports = chosen(system, files, targets, connectors)
         opened = {p.full: targets.pop(p.full) for p in ports if p.full in targets}
@@ -48,7 +51,7 @@ def write_container(path: Path, name: str, system: System, step: float, stop: fl
         check_names(ports)
         places = {c.name: f"{i}_{re.sub(r'[^A-Za-z0-9]', '_', c.name)}" for i, c in enumerate(system.components)}
         contents = {f"resources/{places[c.name]}/{member}": data for c in system.components
-                    for member, data in members(c.fmu)}
+                    for member, data in members(files[c.name].folder)}
         contents |= runtime(files)
         setup = configuration(system, files, places, ports, targets, step)
         guid = f"{{{pack.digest({**contents, 'setup': json.dumps(setup).encode()})[:32]}}}"
@@ -97,21 +100,21 @@ def check_names(ports: list[Port]) -> None:
             raise UsageError(f"Two connectors are called {port.name}: {other} and {port.full}.")
 
 
-def members(fmu: Path) -> Iterator[tuple[str, bytes]]:
-    """The files in an FMU that was opened before: path, content."""
-    with zipfile.ZipFile(fmu) as archive:
-        for member in archive.namelist():
-            if not member.endswith("/"):
-                yield member.replace("\\", "/"), archive.read(member)
+def members(folder: Path) -> Iterator[tuple[str, bytes]]:
+    """The files of an extracted FMU: path, content."""
+    for path in folder.rglob("*"):
+        if path.is_file():
+            yield path.relative_to(folder).as_posix(), path.read_bytes()
 
 
 def runtime(files: Mapping[str, FmuFile]) -> dict[str, bytes]:
-    """The runtime's libraries, for the platforms that all FMUs have, and its licence. Raises UsageError without one."""
+    """The runtime's libraries, for the platforms that all FMUs have, and its licence.
+
+    Raises UsageError where they have none in common.
+    """
     import fmpy
 
     folder = Path(fmpy.__file__).parent / RUNTIME / "binaries"
-    if not folder.is_dir():
-        raise UsageError(f"FMPy {fmpy.__version__} has no container runtime; 0.3.28 has one.")
     platforms = [p for p in PLATFORMS if all((f.folder / "binaries" / p).is_dir() for f in files.values())]
     if not platforms:
         raise UsageError(f"The FMUs have no platform in common of {', '.join(PLATFORMS)}.")

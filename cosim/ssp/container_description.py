@@ -37,8 +37,8 @@ class Port:
         return text(files[self.component].checked(self.variable.name, self.value, self.component))
 
 
-def description(name: str, guid: str, files: Mapping[str, FmuFile], ports: list[Port], step: float, stop: float
-                ) -> bytes:
+def description(name: str, guid: str, files: Mapping[str, FmuFile], ports: list[Port], step: float,
+                stop: float | None) -> bytes:
     """modelDescription.xml; value references count `ports` from 1, as the runtime does."""
     root = Element("fmiModelDescription", fmiVersion="2.0", modelName=name, guid=guid, generationTool=TOOL,
                    description=f"{', '.join(files)} in one FMU", variableNamingConvention="flat")
@@ -50,7 +50,8 @@ def description(name: str, guid: str, files: Mapping[str, FmuFile], ports: list[
         add_variable(variables, port, reference, files, units)
     if units:
         add_units(root, units)
-    SubElement(root, "DefaultExperiment", startTime="0.0", stopTime=repr(float(stop)), stepSize=repr(float(step)))
+    end = {} if stop is None else {"stopTime": repr(float(stop))}
+    SubElement(root, "DefaultExperiment", startTime="0.0", attrib=end, stepSize=repr(float(step)))
     root.append(variables)
     add_structure(root, files, ports)
     return xml(root)

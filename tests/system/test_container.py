@@ -1,5 +1,6 @@
 """A system as one FMU: flown by FMPy it is the flight of our master with the algorithm jacobi."""
 import subprocess
+import zipfile
 
 import fmpy
 import numpy as np
@@ -185,6 +186,7 @@ def test_every_type_of_parameter_is_set(tmp_path):
 @pytest.mark.parametrize("words,sentence", [
     (["case3"], "case3 is neither a scenario (case1, case2, hold) nor a file. Did you mean case2?"),
     (["case1", "--step", "0.03"], "--stop 100 s is not a whole number of communication steps of 0.03 s."),
+    (["case1", "--step", "0"], "--step 0 and --stop 100 must be positive numbers of seconds."),
     (["none.ssp"], "none.ssp"),
 ])
 def test_requests_that_cannot_be_carried_out_are_one_sentence(words, sentence, native_fmus):
@@ -196,5 +198,18 @@ def test_options_of_scenarios_are_refused_for_an_ssp(tmp_path):
     s.write(tmp_path / "gains.ssp", s.ssd(s.system("root", s.component("a"))))
     done = container(tmp_path / "gains.ssp", "--plant", "instrumented")
     assert done.returncode == 2 and "is an SSP" in done.stderr
+    done = container(tmp_path / "gains.ssp", "--set", "a.k=2", "--out", tmp_path / "Gains.fmu")
+    assert done.returncode == 0, done.stderr
+    assert fmpy.read_model_description(str(tmp_path / "Gains.fmu")).defaultExperiment.stopTime == "1.0"
     done = container(tmp_path / "gains.ssp", "--set", "c.k=2")
     assert done.returncode == 2 and "--set c: there is no such component" in done.stderr
+
+
+def test_a_container_holds_fmi_2_only(tmp_path):
+    text = ('<fmiModelDescription fmiVersion="3.0" modelName="m" instantiationToken="t"><CoSimulation '
+            'modelIdentifier="m"/><ModelVariables><Float64 name="y" valueReference="1" causality="output"/>'
+            '</ModelVariables><ModelStructure><Output valueReference="1"/></ModelStructure></fmiModelDescription>')
+    with zipfile.ZipFile(tmp_path / "three.fmu", "w") as archive:
+        archive.writestr("modelDescription.xml", text)
+    with pytest.raises(UsageError, match=r"^c is FMI 3\.0; a container holds FMI 2\.0 only\.$"):
+        write_container(tmp_path / "x.fmu", "x", cosim.System([cosim.Component("c", tmp_path / "three.fmu")]), STEP, 1)
