@@ -209,6 +209,9 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real step, fmi2Boolean
     if (ends) /* as far as it goes */
         step = r[FAULT_TIME] > time ? r[FAULT_TIME] - time : 0;
 #endif
+#ifdef SHOWS_KEEP /* noSetFMUStatePriorToCurrentPoint, as whole_out */
+    s->i[WHOLE_IN] = keep;
+#endif
     int count = r[SUBSTEPS] < 1 ? 1 : (int)r[SUBSTEPS];
     double h = step / count, du = s->slope;
     for (int k = 0; k < count; k++) {

@@ -5,6 +5,7 @@ from contextlib import nullcontext
 from math import isfinite
 from numbers import Real
 from os import PathLike
+from os.path import isfile
 from typing import TYPE_CHECKING, Any
 
 from .errors import UsageError
@@ -32,7 +33,8 @@ def fly(system: System, step: float | None = None, stop: float | None = None, *,
     isolate     fly in a process of its own, so that an FMU that crashes ends the flight and not the program
     time_limit  longest time (s) of one FMU call; isolates
     real_time   pace the flight, this many simulated seconds a second
-    stream      write all signals to this Parquet file as it flies; the result keeps a part of the rows
+    stream      write all signals to this Parquet file, or Arrow stream (.arrows), as it flies; the result keeps a part
+                of the rows
     plain       tick in plain Python, not in compiled code
 
     Returns a Flight: `flight["component.variable"]` has shape (rows,) and the unit that the FMU declares,
@@ -82,7 +84,7 @@ def check(path: str | PathLike[str], dynamic: bool = True, time_limit: float = 3
     Raises UsageError if there is no such file.
     """
     file = as_path(path)
-    if not file.is_file():
+    if not isfile(file):
         raise UsageError(f"There is no file {file}.")
     positive("time_limit", time_limit)
     from .conformance import check as examine

@@ -1,17 +1,51 @@
 """`ahv check`."""
-import json
+import sys
+from enum import StrEnum
+from os.path import isfile
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..errors import RunError, UsageError
+from ..errors import RunError, UsageError, did_you_mean
 from .options import Json
+
+if TYPE_CHECKING:
+    from ..conformance.report import Report
+
+
+WIDEST = 120  # characters of a line on a terminal
+
+
+class FailOn(StrEnum):
+    """Which findings make the exit status 1."""
+    ERROR = "error"
+    WRONG_RESULTS = "wrong-results"
+    WARNING = "warning"
+    ANY = "any"
+
+
+class Format(StrEnum):
+    """How the reports are printed."""
+    TEXT = "text"
+    JSON = "json"
+    JUNIT = "junit"
+    SARIF = "sarif"
+    GITHUB = "github"
 
 
 def check(
-    fmus: Annotated[list[Path], typer.Argument(metavar="FMU...", help="FMI 2.0 co-simulation FMUs, anybody's.")],
+    fmus: Annotated[list[Path] | None, typer.Argument(metavar="FMU...",
+                                                      help="FMI 2.0 co-simulation FMUs, anybody's.")] = None,
     dynamic: Annotated[bool, typer.Option(help="Also run the FMU, in child processes.")] = True,
+    show_all: Annotated[bool, typer.Option("--all", help="Also show formal findings, notes, and what was not "
+                                           "tested.")] = False,
+    explain: Annotated[str | None, typer.Option(metavar="RULE", help="Print what a rule asks, why, and how to mend "
+                                                "what breaks it; no FMU is checked.")] = None,
+    fail_on: Annotated[FailOn, typer.Option(help="Findings that make the exit status 1.")] = FailOn.ERROR,
+    ignore: Annotated[list[str] | None, typer.Option(metavar="RULE", help="Leave out a rule's findings. Can be "
+                                                     "repeated.")] = None,
+    format: Annotated[Format, typer.Option(help="What is printed on stdout.")] = Format.TEXT,
     time_limit: Annotated[float, typer.Option(help="Seconds that one call of the FMU may take.")] = 30.0,
     total_time_limit: Annotated[float, typer.Option(help="Seconds that the whole check of an FMU may take.")] = 1800.0,
     memory_limit: Annotated[int, typer.Option(help="Memory that the FMU and all it starts may use, in MB.")] = 4096,
@@ -21,22 +55,50 @@ def check(
 ) -> None:
     """Check FMUs against FMI 2.0: their files, and what they do when they run."""
     from ..conformance import check as examine
+    from ..conformance import formats
     from ..conformance.confined import Limits
-    from ..conformance.report import findings_table, not_tested_table, to_dict
+    from ..conformance.rule import RULES
 
-    missing = [str(path) for path in fmus if not path.is_file()]
+    for rule in (explain, *(ignore or ())):
+        if rule is not None and rule not in RULES:
+            raise UsageError(f"There is no rule {rule}{did_you_mean(rule, RULES)}")
+    if explain is not None:
+        print(formats.explain(RULES[explain]))
+        return
+    if not fmus:
+        raise UsageError("Name the FMUs to check, or a rule with --explain.")
+    missing = [str(path) for path in fmus if not isfile(path)]
     if missing:
         raise UsageError(f"There is no file {', '.join(missing)}.")
     limits = Limits(call_s=time_limit, total_s=total_time_limit, memory_mb=memory_limit, file_mb=file_limit,
                     processes=process_limit)
     reports = [examine(path, dynamic, limits=limits) for path in fmus]
-    if as_json:
-        print(json.dumps({"passed": all(r.passed for r in reports), "fmus": [to_dict(r) for r in reports]}))
+    for report in reports:
+        report.ignore(ignore or ())
+    if as_json or format == Format.JSON:
+        print(formats.as_json(reports))
+    elif format == Format.JUNIT:
+        print(formats.as_junit(reports, fail_on))
+    elif format == Format.SARIF:
+        print(formats.as_sarif(reports))
+    elif format == Format.GITHUB:
+        print(formats.as_github(reports))
     else:
-        from rich.console import Console
-
-        for one in reports:
-            Console().print(findings_table(one), not_tested_table(one))
-    failed = [one.fmu.name for one in reports if not one.passed]
+        for report in reports:
+            show(report, fail_on, show_all)
+    failed = [one.fmu.name for one in reports if one.fails(fail_on)]
     if failed:
-        raise RunError(f"{', '.join(failed)} breaks FMI 2.0.")
+        broken = "breaks FMI 2.0." if fail_on == FailOn.ERROR else f"has findings that --fail-on {fail_on} rules out."
+        raise RunError(f"{', '.join(failed)} {broken}")
+
+
+def show(report: "Report", fail_on: str, everything: bool) -> None:
+    """Print a report: a page on a terminal, else one line a finding."""
+    from shutil import get_terminal_size
+
+    from ..conformance import formats
+
+    if sys.stdout.isatty():
+        print("\n".join([*formats.page(report, min(get_terminal_size().columns, WIDEST), fail_on, everything), ""]))
+    else:
+        print("\n".join(formats.lines(report, fail_on, everything)))

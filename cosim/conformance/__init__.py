@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from .report import Report
 
 
-def check(path: Path, dynamic: bool = True, time_limit: float = 30.0, cycles: int = 1000,
+def check(path: Path, dynamic: bool = True, time_limit: float = 30.0, cycles: int = 200,
           limits: "Limits | None" = None) -> "Report":
     """Check one FMU against the rules of FMI 2.0.x (sections 2.1 to 2.3 and 4.1 to 4.3).
 

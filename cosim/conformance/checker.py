@@ -1,16 +1,18 @@
 """The check: unpacks an FMU, reads it, applies the static rules, runs the probes, and removes its temporary files."""
 import math
-import tempfile
 from pathlib import Path
 
 from ..errors import UsageError
 from ..master.unpack import BadArchive, safe_extract
+from ..temporary import Folder, troubles
 from . import dynamic, rules  # noqa: F401  (importing the rules registers them)
 from .confined import Limits
 from .reading import Unusable, read
-from .report import Finding, Report
-from .rule import STATIC_CHECKS
+from .report import EVERYTHING, Finding, Report
+from .rule import DOES_NOT_LOAD, REFUSED, RULES, STATIC_CHECKS
 from .subject import Fault, Fmu
+
+HERE = f"binaries/{dynamic.host_platform()}"
 
 
 def check(path: Path, run_probes: bool, limits: Limits, cycles: int) -> Report:
@@ -22,11 +24,13 @@ def check(path: Path, run_probes: bool, limits: Limits, cycles: int) -> Report:
         if not 0 < value < math.inf:
             raise UsageError(f"{option} {value:g} must be a positive number{unit}.")
     report = Report(Path(path))
-    with tempfile.TemporaryDirectory(prefix="ahv-check-", ignore_cleanup_errors=True) as work:
+    with Folder() as temporary, troubles(temporary.path):
+        work = temporary.path
         try:
-            folder = Path(work) / "fmu"
+            folder = work / "fmu"
             folder.mkdir()
             fmu = read(report.fmu, folder, safe_extract(report.fmu, folder))
+            report.tool = fmu.description.attributes.get("generationTool", "")
         except BadArchive as problem:
             report.add(problem.rule, Fault(report.fmu.name, str(problem), "an FMU that can be unpacked"))
             return report
@@ -34,7 +38,7 @@ def check(path: Path, run_probes: bool, limits: Limits, cycles: int) -> Report:
             report.add(problem.rule, problem.fault)
             return report
         check_static(fmu, report)
-        check_dynamic(fmu, report, Path(work), run_probes, limits, cycles)
+        check_dynamic(fmu, report, work, run_probes, limits, cycles)
     return report
 
 
@@ -43,24 +47,30 @@ def check_static(fmu: Fmu, report: Report) -> None:
     for fault in fmu.schema_faults:
         report.add("xml.schema", fault)
     for name, find in STATIC_CHECKS.items():
-        for fault in find(fmu):
-            report.add(name, fault)
+        if report.fmi_version in RULES[name].sections:
+            for fault in find(fmu):
+                report.add(name, fault, impact=REFUSED if is_foreign(name, fault) else None)
+
+
+def is_foreign(rule: str, fault: Fault) -> bool:
+    """Whether a fault is in a binary of another platform, which is nothing to this machine."""
+    of_binary = rule.startswith("binary.") and fault.variable.startswith("binaries/")
+    return of_binary and RULES[rule].impact == DOES_NOT_LOAD and fault.variable != HERE
 
 
 def check_dynamic(fmu: Fmu, report: Report, work: Path, run_probes: bool, limits: Limits, cycles: int) -> None:
     """Add what the probes find, or why they were not run."""
     if not run_probes:
-        report.skip("everything dynamic", "not asked for")
+        report.skip(EVERYTHING, "not asked for")
     elif fmu.description.co_simulation is None:
-        report.skip("everything dynamic", "the FMU is not for co-simulation")
+        report.skip(EVERYTHING, "the FMU is not for co-simulation")
     elif any(prevents_running(finding) for finding in report.findings):
-        report.skip("everything dynamic", "the description or the binary is too broken to run the FMU by it")
+        report.skip(EVERYTHING, "the description or the binary is too broken to run the FMU by it")
     else:
         dynamic.run(fmu, report, work, limits, cycles)
 
 
 def prevents_running(finding: Finding) -> bool:
     """Whether the FMU cannot be run because of this finding."""
-    this_binary = f"binaries/{dynamic.host_platform()}"
-    is_broken = finding.rule in ("binary.format", "binary.exports") and finding.variable == this_binary
+    is_broken = finding.rule in ("binary.format", "binary.exports") and finding.variable == HERE
     return is_broken or finding.rule == "xml.schema"

@@ -3,10 +3,12 @@
 The child (child.py) answers one JSON line for each event, by a pipe. When it crashes or hangs, the last "begin" line
 names the probe, the mark names the call, and a new child runs the remaining probes.
 """
+import contextlib
 import json
 import platform
 import sys
 import time
+from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -16,16 +18,24 @@ from . import probes  # noqa: F401  (importing the probes registers them)
 from .confined import Confined, Limits, sandbox, why
 from .fmi2 import MARK_BYTES, Mark
 from .job import Job, Known
-from .probes.bench import PROBES
-from .report import Finding, Report
-from .rule import ERROR, RULES, WARNING
+from .probes.registry import FLYING, PROBES
+from .report import EVERYTHING, Finding, Report
+from .rule import ERROR, FORMAL, REFUSED, RULES, WARNING
 from .subject import Fault, Fmu
 
 POLL_S = 0.05
+STEPS = 20  # of a run
+PATIENCE_S = 8.0  # for repetitions
+BUDGET_S = 35.0  # of computing, after which further probes are left out
+WRONG_USE_S = 5.0  # that a call may take which the standard does not allow
+MOST_HANGS = 2  # after wrong use
+MOST_DEATHS = 2  # on wrong use of one kind, such as "unknown-reference"
+TOLERANCE = 1e-4  # where the file names none
 MOST_LIMITS = 4  # a probe whose calls all return is given up after this many time limits
 FATAL_RULES = {"dynamic.load": "the FMU cannot be loaded", "dynamic.hang": "the FMU hangs",
                "dynamic.limits": "the FMU passed a limit"}
 ONCE = ("dynamic.fatal", "dynamic.log-refusal")  # an FMU that does so does so for any call
+IMPLIED = {"dynamic.nonfinite-reset": "dynamic.reset-replay"}  # what says nothing more where another is broken
 FLAGS = ("canHandleVariableCommunicationStepSize", "canInterpolateInputs", "canRunAsynchronuously",
          "needsExecutionTool", "canBeInstantiatedOnlyOncePerProcess", "canGetAndSetFMUstate", "canSerializeFMUstate",
          "providesDirectionalDerivative")
@@ -35,27 +45,50 @@ def run(fmu: Fmu, report: Report, work: Path, limits: Limits, cycles: int) -> No
     """Run all probes on the FMU and note what they find."""
     library = host_library(fmu)
     if library is None:
-        report.skip("everything dynamic", f"no binary for this platform (binaries/{host_platform()})")
+        report.skip(EVERYTHING, f"no binary for this platform (binaries/{host_platform()})")
         return
     report.sandbox = sandbox() or "none"
     run_probes(make_job(fmu, library, limits.call_s, cycles), report, work, limits)
     for rule in ONCE:
         report.merge(rule)
+    for rule, cause in IMPLIED.items():
+        if any((f.rule, f.severity) == (cause, ERROR) for f in report.findings):
+            report.findings = [f for f in report.findings if f.rule != rule]
 
 
 def run_probes(job: Job, report: Report, work: Path, limits: Limits) -> None:
     """Run the job's probes, in a new child process where one has ended."""
     deadline = time.monotonic() + limits.total_s
+    deaths: Counter[str] = Counter()
     while job.probes:
-        done = run_child(job, report, work, limits, deadline)
+        done, steps, died = run_child(job, report, work, limits, deadline)
         if done == 0:
             reason = (work / "stderr.txt").read_text("utf-8", "replace").strip() or "no reason given"
             raise RuntimeError(f"the checking process did not begin with '{job.probes[0]}': {reason}")
         cause = next((FATAL_RULES[f.rule] for f in report.findings if ends_the_check(f)), None)
         if cause:
             report.skip("the probes after that", cause)
+        is_slow = any(item.why == "the FMU is slow" for item in report.not_tested)
+        if cause or is_slow or not report.ran:
             return
-        job = replace(job, probes=job.probes[done:])
+        left = job.probes[done:]
+        if sum(f.rule == "dynamic.hang" for f in report.findings) >= MOST_HANGS:
+            left = without(left, [n for n in left if not PROBES[n].legal], "the FMU hangs on wrong use", report)
+        if died:
+            family = job.probes[done - 1].partition(":")[0]
+            deaths[family] += 1
+            if deaths[family] >= MOST_DEATHS:
+                alike = [n for n in left if n.partition(":")[0] == family]
+                left = without(left, alike, "the FMU has crashed on others of this kind", report)
+        job = replace(job, probes=left, steps=steps,
+                      budget=BUDGET_S - report.computed_s)
+
+
+def without(names: list[str], dropped: list[str], why: str, report: Report) -> list[str]:
+    """The probes `names` but for those that are dropped, which are reported as not tested."""
+    if dropped:
+        report.skip(", ".join(dropped), why)
+    return [name for name in names if name not in dropped]
 
 
 def ends_the_check(finding: Finding) -> bool:
@@ -81,8 +114,13 @@ def make_job(fmu: Fmu, library: Path, time_limit: float, cycles: int) -> Job:
     """What the child needs to know about the FMU."""
     given = {key: number(text) for key, text in fmu.description.experiment.items()}
     start, stop, step = given.get("startTime") or 0.0, given.get("stopTime"), given.get("stepSize")
+    has_step = bool(step and step > 0)
     if not step or step <= 0:
         step = (stop - start) / 100 if stop is not None and stop > start else 0.01
+    tolerance = given.get("tolerance") or 0.0
+    tolerance = tolerance if 0 < tolerance < 1 else TOLERANCE
+    fitting = int((stop - start) / step + 1e-9) if stop is not None and stop > start else STEPS
+    steps = max(2, min(STEPS, fitting))  # not beyond the default stop time
     claims = {flag: 1 for flag in FLAGS if fmu.description.claims(flag)}
     order = integer((fmu.description.co_simulation or {}).get("maxOutputDerivativeOrder")) or 0
     return Job(
@@ -92,16 +130,21 @@ def make_job(fmu: Fmu, library: Path, time_limit: float, cycles: int) -> Job:
         start=start,
         stop=stop,
         step=step,
+        has_step=has_step,
+        tolerance=tolerance,
         claims=claims | ({"maxOutputDerivativeOrder": order} if order else {}),
         categories=[c.get("name", "") for c in fmu.description.root.iterfind("LogCategories/Category")],
-        variables=[known_variable(v) for v in fmu.description.variables if v.type and v.reference is not None],
+        variables=[known_variable(v, v.causality == "output" or v.index in fmu.description.states)
+                   for v in fmu.description.variables if v.type and v.reference is not None],
         probes=list(PROBES),
+        steps=steps,
         cycles=cycles,
-        patience=time_limit / 2,
+        patience=min(time_limit / 2, PATIENCE_S),
+        budget=BUDGET_S,
     )
 
 
-def known_variable(v: Variable) -> Known:
+def known_variable(v: Variable, counts: bool) -> Known:
     """The variable as the probes need it."""
     start: float | int | str | None
     if v.type == "Real":
@@ -121,12 +164,16 @@ def known_variable(v: Variable) -> Known:
         low=v.min,
         high=v.max,
         nominal=v.nominal,
+        counts=counts,
         items=list(v.items.values()),
     )
 
 
-def run_child(job: Job, report: Report, work: Path, limits: Limits, deadline: float) -> int:
-    """Run one child until it ends, crashes or is stopped, and note its findings; how many probes have been begun."""
+def run_child(job: Job, report: Report, work: Path, limits: Limits, deadline: float) -> tuple[int, int, bool]:
+    """Run one child until it ends, crashes or is stopped, and note its findings.
+
+    How many probes have been begun, how many steps further runs shall have, and whether the last probe did not end.
+    """
     mark = work / "mark.bin"
     mark.write_bytes(bytes(MARK_BYTES))
     child = Confined("cosim.conformance.child", [str(mark)], job.to_json(), work, limits)
@@ -134,11 +181,13 @@ def run_child(job: Job, report: Report, work: Path, limits: Limits, deadline: fl
         stopped = wait_for_end(child, mark, limits, deadline)
     finally:
         child.end()
-    begun, ended, died = take_answers(child.answers, report)
+    begun, ended, told = take_answers(child.answers, report)
+    died = str(told.get("died", ""))
+    report.computed_s += float(told.get("spent", 0.0))
     if len(begun) > len(ended):
         death = stopped or died or why(child.process.returncode, limits) or "exit code 0"
-        report_death(report, begun[-1], death, Mark.read(mark)[1], limits)
-    return len(begun)
+        report_death(report, job, begun[-1], death, Mark.read(mark)[1], limits)
+    return len(begun), told.get("steps", job.steps), len(begun) > len(ended)
 
 
 def wait_for_end(child: Confined, mark: Path, limits: Limits, deadline: float) -> str:
@@ -158,18 +207,27 @@ def wait_for_end(child: Confined, mark: Path, limits: Limits, deadline: float) -
             return "limit: its answers do not end"
         if now > deadline:
             return f"limit: {limits.total_s:g} s for the whole check"
-        if now - call_began > limits.call_s:
+        if now - call_began > call_limit(child.answers, limits):
             return "hang"
         if now - probe_began > MOST_LIMITS * limits.call_s:
             return "slow"
     return ""
 
 
-def take_answers(lines: list[str], report: Report) -> tuple[list[str], list[str], str]:
-    """Put the child's lines into the report; the probes that began, those that ended, and how the child died."""
+def call_limit(answers: list[str], limits: Limits) -> float:
+    """Seconds that a call may take in the probe that runs; after wrong use it is not worth to wait as long."""
+    begun = (json.loads(line)["begin"] for line in reversed(answers) if line.startswith('{"begin"'))
+    with contextlib.suppress(ValueError, KeyError):
+        if not PROBES[next(begun, "load")].legal:
+            return min(limits.call_s, WRONG_USE_S)
+    return limits.call_s
+
+
+def take_answers(lines: list[str], report: Report) -> tuple[list[str], list[str], dict[str, Any]]:
+    """Put the child's lines into the report; the probes that began, those that ended, and what else it told."""
     begun: list[str] = []
     ended: list[str] = []
-    died = ""
+    told: dict[str, Any] = {}
     known = {(f.rule, f.variable, f.found) for f in report.findings}
     for text in lines:
         line = answer(text, begun)
@@ -177,16 +235,17 @@ def take_answers(lines: list[str], report: Report) -> tuple[list[str], list[str]
             fault = Fault(*line["fault"])
             if (line["rule"], fault.variable, fault.found) not in known:
                 known.add((line["rule"], fault.variable, fault.found))
-                report.add(line["rule"], fault, line["severity"])
+                report.add(line["rule"], fault, line["severity"], line.get("impact"))
         elif "skip" in line:
             report.skip(*line["skip"])
         elif "begin" in line:
             begun.append(line["begin"])
         elif "end" in line:
             ended.append(line["end"])
+            told["spent"] = line.get("spent", 0.0)
         else:
-            died = line.get("died", "")
-    return begun, ended, died
+            told |= line
+    return begun, ended, told
 
 
 def answer(text: str, begun: list[str]) -> dict[str, Any]:
@@ -195,7 +254,8 @@ def answer(text: str, begun: list[str]) -> dict[str, Any]:
         line: dict[str, Any] = json.loads(text)
         ended = "end" in line and line["end"] == begun[-1]
         found_one = line.get("rule") in RULES and Fault(*line["fault"])
-        if ended or found_one or line.keys() & {"begin", "skip", "died"}:
+        fewer = isinstance(line.get("steps"), int) and line["steps"] > 0
+        if ended or found_one or fewer or line.keys() & {"begin", "skip", "died"}:
             return line
     except (ValueError, IndexError, TypeError, AttributeError):
         pass
@@ -203,18 +263,27 @@ def answer(text: str, begun: list[str]) -> dict[str, Any]:
     return {"rule": "dynamic.limits", "fault": ["file descriptors", found, "its own files only"], "severity": None}
 
 
-def report_death(report: Report, probe: str, death: str, call: str, limits: Limits) -> None:
+def report_death(report: Report, job: Job, probe: str, death: str, call: str, limits: Limits) -> None:
     """Report why a probe did not end. After an illegal call that is a warning only, since the caller is at fault."""
-    severity = None if PROBES[probe].legal else WARNING
+    severity, impact = (None, None) if PROBES[probe].legal else (WARNING, FORMAL)
+    if probe not in FLYING:
+        impact = impact or REFUSED
+    if probe == "free-null":
+        impact = FORMAL  # no master needs that call
     if death == "slow":
         report.skip(probe, f"slow: not finished within {MOST_LIMITS * limits.call_s:g} s")
     elif death.startswith("limit: "):
         found = f"{death.removeprefix('limit: ')}, in {call} (probe '{probe}')"
         report.add("dynamic.limits", Fault(call, found, "what the check's limits allow"))
+    elif death == "hang" and call == "fmi2DoStep" and not job.has_step and severity is None:
+        report.skip(probe, f"slow: a step of {job.step:g} s did not end within {limits.call_s:g} s (the file names no "
+                           "preferred step)")
+        report.skip("the probes after that", "the FMU is slow")
     elif death == "hang":
-        found = f"{call} did not return within {limits.call_s:g} s (probe '{probe}')"
-        report.add("dynamic.hang", Fault(call, found, "a status, in time"), severity)
+        seconds = limits.call_s if PROBES[probe].legal else min(limits.call_s, WRONG_USE_S)
+        found = f"{call} did not return within {seconds:g} s (probe '{probe}')"
+        report.add("dynamic.hang", Fault(call, found, "a status, in time"), severity, impact)
     else:
         found = f"{call} ended the process with {death} (probe '{probe}')"
         if not any((f.rule, f.variable) == ("dynamic.crash", call) for f in report.findings):
-            report.add("dynamic.crash", Fault(call, found, "a status"), severity)
+            report.add("dynamic.crash", Fault(call, found, "a status"), severity, impact)

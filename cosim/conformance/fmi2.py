@@ -7,15 +7,21 @@ import ctypes
 import mmap
 import os
 import struct
+import sys
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from ctypes import POINTER, byref, c_char_p, c_double, c_int, c_size_t, c_uint, c_void_p
+from importlib.util import find_spec
+from math import nan
 from pathlib import Path
 from typing import Any
 
 OK, WARNING, DISCARD, ERROR, FATAL, PENDING = range(6)
+LAST_SUCCESSFUL_TIME = 2  # of fmi2StatusKind
 STATUS = ("fmi2OK", "fmi2Warning", "fmi2Discard", "fmi2Error", "fmi2Fatal", "fmi2Pending")
 
+MOST_WORDS = 300  # characters of a message that are shown
 MARK_BYTES = 72  # a counter and the name of the call, see `Mark`
 
 LOGGER = ctypes.CFUNCTYPE(None, c_void_p, c_char_p, c_int, c_char_p, c_char_p)
@@ -49,6 +55,7 @@ SIGNATURES: dict[str, tuple[Any, ...]] = {
     "DeSerializeFMUstate": (c_char_p, c_size_t, POINTER(c_void_p)),
     "GetDirectionalDerivative": (REFERENCES, c_size_t, REFERENCES, c_size_t, POINTER(c_double), POINTER(c_double)),
     "SetRealInputDerivatives": (REFERENCES, c_size_t, POINTER(c_int), POINTER(c_double)),
+    "GetRealStatus": (c_int, POINTER(c_double)),
     "GetRealOutputDerivatives": (REFERENCES, c_size_t, POINTER(c_int), POINTER(c_double)),
 }
 for _type, _c_type in C_TYPES.items():
@@ -90,6 +97,16 @@ def unpacked(base: str, packed: bytes | list[Value]) -> list[Value]:
     return list((C_TYPES[base] * (len(packed) // ctypes.sizeof(C_TYPES[base]))).from_buffer_copy(packed))
 
 
+def formatter() -> Callable[[Any], object]:
+    """What lets a C function fill in the numbers and names of messages: fmpy's, where it is there (ctypes cannot)."""
+    folders = getattr(find_spec("fmpy"), "submodule_search_locations", None)
+    platform = {"nt": "win64"}.get(os.name, "darwin64" if sys.platform == "darwin" else "linux64")
+    for file in Path(folders[0], "logging", platform).glob("logging.*") if folders else ():
+        with suppress(OSError, AttributeError):
+            return ctypes.CDLL(str(file)).addLoggerProxy  # type: ignore[no-any-return]
+    return lambda _callbacks: None
+
+
 class Library:
     """A loaded shared library."""
 
@@ -101,6 +118,26 @@ class Library:
         libc = ctypes.CDLL("msvcrt") if os.name == "nt" else ctypes.CDLL(None)
         self.allocate = ALLOCATE(("calloc", libc))  # type: ignore[arg-type]
         self.free_memory = FREE(("free", libc))  # type: ignore[arg-type]
+        self.messages: dict[int, Counter[tuple[int, str]]] = {}  # by instance
+        self.made = 0
+        self.names: dict[int, str] = {}  # of instances
+        self.strange: dict[str, str] = {}  # environment, name: what the logger got instead of the instance's own
+        self.words = ""  # the last message of a problem
+        self.logger = LOGGER(self.take_message)  # one for all instances: it must outlive each of them
+        self.format_messages = formatter()
+
+    def take_message(self, environment: int | None, name: bytes | None, status: int, category: bytes | None,
+                     message: bytes | None) -> None:
+        """Count a message of the instance `environment`; without one, of the last that was made."""
+        number = environment or 0
+        if number not in self.messages:
+            self.strange["environment"] = "a null pointer" if environment is None else "another pointer"
+            number = self.made
+        if (told := (name or b"").decode("utf-8", "replace")) != self.names.get(number, told):
+            self.strange["name"] = f"'{told}'"
+        self.messages.setdefault(number, Counter())[status, (category or b"").decode("utf-8", "replace")] += 1
+        if status != OK and message:
+            self.words = " ".join(message.decode("utf-8", "replace").split())[:MOST_WORDS]
 
     def text(self, name: str) -> str:
         """What fmi2GetVersion or fmi2GetTypesPlatform returns."""
@@ -111,18 +148,18 @@ class Library:
 
     def instantiate(self, name: str, guid: str, resources: str, logging_on: bool = False) -> "Instance | None":
         """fmi2Instantiate (2.1.5); None when the FMU returned a null pointer."""
-        messages: Counter[tuple[int, str]] = Counter()
-
-        def logger(_env: Any, _name: Any, status: int, category: bytes | None, _message: Any) -> None:
-            messages[status, (category or b"").decode("utf-8", "replace")] += 1
-
-        callbacks = Callbacks(LOGGER(logger), self.allocate, self.free_memory, None, None)
+        self.made = number = self.made + 1
+        messages = self.messages[number] = Counter()
+        self.names[number] = name
+        self.words = ""
+        callbacks = Callbacks(self.logger, self.allocate, self.free_memory, None, number)
+        self.format_messages(byref(callbacks))
         self.mark.set("fmi2Instantiate")
         function = self.dll.fmi2Instantiate
         function.restype = c_void_p
         function.argtypes = (c_char_p, c_int, c_char_p, c_char_p, POINTER(Callbacks), c_int, c_int)
         component = function(name.encode(), 1, guid.encode(), resources.encode(), byref(callbacks), 0, int(logging_on))
-        return Instance(self, component, callbacks, messages) if component else None
+        return Instance(self, component, callbacks, messages, number) if component else None
 
     def free(self, component: int | None) -> None:
         """fmi2FreeInstance (2.1.5), also of a null pointer."""
@@ -144,8 +181,9 @@ class Library:
 class Instance:
     """One instance: `call("Terminate")` and the like return the status; `messages` counts what it logged."""
 
-    def __init__(self, library: Library, component: int, callbacks: Any, messages: Counter[tuple[int, str]]):
-        self.library, self.component, self.callbacks = library, component, callbacks
+    def __init__(self, library: Library, component: int, callbacks: Any, messages: Counter[tuple[int, str]],
+                 number: int):
+        self.library, self.component, self.callbacks, self.number = library, component, callbacks, number
         self.messages = messages
 
     def call(self, name: str, *arguments: Any) -> int:
@@ -156,6 +194,8 @@ class Instance:
         """fmi2FreeInstance, unless no call is allowed any more."""
         if not self.library.is_corrupt:
             self.library.free(self.component)
+        self.library.messages.pop(self.number, None)
+        self.library.names.pop(self.number, None)
 
     def setup(self, start: float, stop: float | None = None) -> int:
         """fmi2SetupExperiment; its status. Times in s."""
@@ -225,6 +265,11 @@ class Instance:
     def output_derivative(self, reference: int) -> int:
         """fmi2GetRealOutputDerivatives of one output, first order; its status."""
         return self.call("GetRealOutputDerivatives", (c_uint * 1)(reference), 1, (c_int * 1)(1), (c_double * 1)())
+
+    def last_successful_time(self) -> tuple[int, float]:
+        """fmi2GetRealStatus of fmi2LastSuccessfulTime; its status, and the time (s)."""
+        time = c_double(nan)
+        return self.call("GetRealStatus", LAST_SUCCESSFUL_TIME, byref(time)), time.value
 
     def set_debug_logging(self, on: bool, categories: Sequence[str]) -> int:
         """fmi2SetDebugLogging; its status."""

@@ -16,6 +16,7 @@ class Known:
     low: float | None
     high: float | None
     nominal: float | None
+    counts: bool  # an output or a state: the tolerance is of these
     items: list[int] = field(default_factory=list)  # the values of an enumeration
 
 
@@ -28,12 +29,16 @@ class Job:
     start: float
     stop: float | None
     step: float
+    has_step: bool  # whether the file names it
+    tolerance: float  # of a trajectory by its own scale: what the FMU's solver may differ
     claims: dict[str, int]  # capability flags of 4.3.1 that are not false
     categories: list[str]  # names of the log categories
     variables: list[Known]
     probes: list[str]
+    steps: int  # of a run
     cycles: int  # how often the memory probe instantiates and frees
     patience: float  # seconds that a probe may use on repetitions
+    budget: float  # seconds of computing that are left; without any, further probes are left out
 
     def to_json(self) -> str:
         """The job as text, for `read`."""

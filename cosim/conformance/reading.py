@@ -1,24 +1,12 @@
 """An unpacked FMU as the rules see it, and the careful reading of its modelDescription.xml (sections 2.2 and 2.3)."""
 from pathlib import Path
-from xml.parsers import expat
 
-import fmpy
 from lxml import etree
 
-from ..master.description import Description, parsed
-from .rule import ERROR, declare
+from ..errors import UsageError
+from ..master.description import Description
+from ..master.xml_file import NotXml, fmpy_folder, prolog, root_of
 from .subject import Fault, Fmu
-
-declare("archive.readable", "2.3", ERROR, "The FMU is a zip file that can be read to its end.")
-declare("archive.paths", "2.3", ERROR, "No member of the archive leads outside of it.")
-declare("archive.size", "2.3", ERROR, "The archive unpacks to a size that can be handled.")
-declare("archive.encrypted", "2.3", ERROR, "No member of the archive is encrypted.")
-declare("archive.compression", "2.3", ERROR, "Members are stored or compressed by deflate.")
-declare("archive.model-description", "2.3", ERROR, "modelDescription.xml is at the root of the archive.")
-declare("xml.well-formed", "2.2", ERROR, "modelDescription.xml is well-formed XML.")
-declare("xml.entities", "2.2", ERROR, "modelDescription.xml needs no document type: no entities, no external files.")
-declare("xml.schema", "2.2", ERROR, "modelDescription.xml is valid against fmi2ModelDescription.xsd.")
-declare("xml.fmi-version", "2.2.1", ERROR, "fmiVersion is 2.0 (this checker knows no other version).")
 
 
 class Unusable(Exception):
@@ -31,15 +19,20 @@ class Unusable(Exception):
 
 
 def read(path: Path, folder: Path, members: list[str]) -> Fmu:
-    """The FMU at `path` that is unpacked in `folder`. Raises Unusable if its modelDescription.xml cannot be read."""
+    """The FMU at `path` that is unpacked in `folder`. Raises Unusable if its modelDescription.xml cannot be read.
+
+    Raises UsageError for FMI 3.0.
+    """
     xml = model_description(folder, members)
     encoding = declared_encoding(xml)
     try:
-        root = parsed(xml)
-    except etree.XMLSyntaxError as problem:
+        root = root_of(xml)
+    except NotXml as problem:
         raise Unusable("xml.well-formed", Fault("modelDescription.xml", str(problem), "well-formed XML")) from None
     version = root.get("fmiVersion")
     if root.tag == "fmiModelDescription" and version is not None and version.strip() != "2.0":
+        if version.strip().startswith("3."):
+            raise UsageError(f"{path}: FMI 3.0 is not checked yet.")
         raise Unusable("xml.fmi-version", Fault("fmiVersion", f"'{version}'", "'2.0'"))
     return Fmu(path, folder, members, Description(root), encoding, schema_faults(root))
 
@@ -55,46 +48,21 @@ def model_description(folder: Path, members: list[str]) -> bytes:
                    Fault("modelDescription.xml", found, "modelDescription.xml at the archive's root"))
 
 
-class RootReached(Exception):
-    """Ends the reading of the prolog: the root element begins."""
-
-
 def declared_encoding(xml: bytes) -> str | None:
     """The declared encoding. Raises Unusable for entities and external document types before a parser expands them."""
-    declared: list[str | None] = [None]
-
-    def declaration(_version: str, encoding: str | None, _standalone: int) -> None:
-        declared[0] = encoding
-
-    def entity(name: str, *_: object) -> None:
-        raise Unusable("xml.entities", Fault("modelDescription.xml", f"the entity '{name}' is declared",
+    found = prolog(xml)
+    if found.system:
+        raise Unusable("xml.entities", Fault("modelDescription.xml", f"a document type that refers to '{found.system}'",
+                                             "no reference to other files"))
+    if found.entity:
+        raise Unusable("xml.entities", Fault("modelDescription.xml", f"the entity '{found.entity}' is declared",
                                              "no entity declarations"))
-
-    def doctype(_name: str, system: str | None, *_: object) -> None:
-        if system:
-            found = f"a document type that refers to '{system}'"
-            raise Unusable("xml.entities", Fault("modelDescription.xml", found, "no reference to other files"))
-
-    def root(*_: object) -> None:
-        raise RootReached
-
-    parser = expat.ParserCreate()
-    parser.XmlDeclHandler = declaration
-    parser.EntityDeclHandler = entity
-    parser.StartDoctypeDeclHandler = doctype
-    parser.StartElementHandler = root
-    try:
-        parser.Parse(xml, True)
-    except RootReached:
-        pass
-    except expat.ExpatError:
-        pass  # the XML parser proper reports this better
-    return declared[0]
+    return found.encoding
 
 
 def schema_faults(root: etree._Element) -> list[Fault]:
     """What the schema fmi2ModelDescription.xsd, as fmpy ships it, objects to."""
-    file = Path(fmpy.__file__).parent / "schema" / "fmi2" / "fmi2ModelDescription.xsd"
+    file = fmpy_folder() / "schema" / "fmi2" / "fmi2ModelDescription.xsd"
     schema = etree.XMLSchema(etree.parse(str(file)))
     schema.validate(root)
     return [Fault(f"line {entry.line}", entry.message, "what fmi2ModelDescription.xsd allows")

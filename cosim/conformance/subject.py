@@ -7,10 +7,14 @@ from ..master.description import Description
 
 
 class Fault(NamedTuple):
-    """What a static check yields: which variable (or unit, type, file), what is there, what should be there."""
+    """What a static check yields: which variable (or unit, type, file), what is there, what should be there.
+
+    `impact` if it is milder than the rule's own.
+    """
     variable: str
     found: str
     expected: str
+    impact: str | None = None
 
 
 @dataclass

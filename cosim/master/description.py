@@ -14,6 +14,7 @@ from lxml import etree
 
 from .declared import SimpleType, Unknown, Variable, integer, is_true
 from .quantities import Unit, unit
+from .xml_file import NotXml, root_of
 
 BASE_TYPES = ("Real", "Integer", "Boolean", "String", "Enumeration")
 LARGEST_ARRAY = 1_000_000  # elements
@@ -145,12 +146,6 @@ class Description:
         return is_true((self.co_simulation or {}).get(CLAIMS.get(flag, flag) if self.flat else flag))
 
 
-def parsed(xml: bytes) -> etree._Element:
-    """The root of an XML document of unknown origin: no entities, no other files. Raises etree.XMLSyntaxError."""
-    return etree.fromstring(xml, etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False,
-                                                 remove_comments=True))
-
-
 def read(folder: Path) -> Description:
     """The description of the FMU unpacked in `folder`. Raises ValueError if it is not there or cannot be used."""
     file = folder / "modelDescription.xml"
@@ -166,8 +161,8 @@ def usable(xml: bytes) -> Description:
     type, a value reference or a definition of its declared type.
     """
     try:
-        root = parsed(xml)
-    except (etree.XMLSyntaxError, LookupError) as error:  # LookupError: an unknown encoding
+        root = root_of(xml)
+    except NotXml as error:
         raise ValueError(f"modelDescription.xml is not well-formed XML ({error})") from None
     description = Description(root)
     if root.tag != "fmiModelDescription" or not description.version:

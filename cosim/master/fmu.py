@@ -2,16 +2,16 @@
 import hashlib
 import math
 import re
-import shutil
-import tempfile
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from os.path import isfile
 from pathlib import Path, PurePosixPath
 from typing import Any
 
 import numpy as np
 
 from ..errors import UsageError, did_you_mean
+from ..temporary import Folder
 from ..text import printable
 from .declared import Variable, is_true
 from .description import Description, read, usable
@@ -28,7 +28,7 @@ VERSIONS = re.compile(r"2\.0|3\.\d+(\.\d+)?")
 
 def existing(path: Path) -> Path:
     """`path` itself. Raises UsageError if there is no such file."""
-    if not path.is_file():
+    if not isfile(path):
         raise UsageError(f"There is no FMU at {path}; `ahv build` writes the FMUs of this project.")
     return path
 
@@ -93,7 +93,7 @@ class FmuFile:
     `corrupted` is set when an instance answers Fatal: no function of any of its instances may be called then.
     """
     path: Path
-    folder: Path
+    extracted: Folder
     description: Description
     sha256: str
     scalars: list[Variable] = field(init=False)         # in the description's order, arrays as their elements
@@ -119,27 +119,27 @@ class FmuFile:
         Raises UsageError if it is missing, no co-simulation FMU of FMI 2.0 or 3.0, or needs clocks.
         """
         existing(path)
-        folder = Path(tempfile.mkdtemp(prefix="ahv_"))
+        folder = Folder()
         try:
-            safe_extract(path, folder)
-            description = read(folder)
+            safe_extract(path, folder.path)
+            description = read(folder.path)
+            if reason := unflyable(description):
+                raise UsageError(f"{path} {reason}.")
+            assert description.co_simulation is not None
+            identifier = description.co_simulation.get("modelIdentifier", "")
+            if not identifier.isprintable() or set(identifier) & set("/\\"):  # it names the library that is loaded
+                raise UsageError(f"{path} cannot be opened: its modelIdentifier '{printable(identifier)}' is no name "
+                                 f"of a file in the FMU.")
+            return cls(path, folder, description, hashlib.sha256(path.read_bytes()).hexdigest())
         except BadArchive as error:
-            shutil.rmtree(folder, ignore_errors=True)
+            folder.close()
             raise UsageError(f"{path} cannot be opened: {error}.") from None
         except ValueError as error:
-            shutil.rmtree(folder, ignore_errors=True)
+            folder.close()
             raise UsageError(f"{path} cannot be read as an FMU: {error}.") from None
-        reason = unflyable(description)
-        if reason:
-            shutil.rmtree(folder, ignore_errors=True)
-            raise UsageError(f"{path} {reason}.")
-        assert description.co_simulation is not None
-        identifier = description.co_simulation.get("modelIdentifier", "")
-        if not identifier.isprintable() or set(identifier) & set("/\\"):  # it names the library that is loaded
-            shutil.rmtree(folder, ignore_errors=True)
-            raise UsageError(f"{path} cannot be opened: its modelIdentifier '{printable(identifier)}' is no name of a "
-                             f"file in the FMU.")
-        return cls(path, folder, description, hashlib.sha256(path.read_bytes()).hexdigest())
+        except BaseException:
+            folder.close()
+            raise
 
     def __enter__(self) -> "FmuFile":
         return self
@@ -149,7 +149,12 @@ class FmuFile:
 
     def close(self) -> None:
         """Remove the extracted files."""
-        shutil.rmtree(self.folder, ignore_errors=True)
+        self.extracted.close()
+
+    @property
+    def folder(self) -> Path:
+        """Where it is extracted."""
+        return self.extracted.path
 
     def variable(self, name: str) -> Variable:
         """The variable called `name`; UsageError suggests the nearest one if there is none."""

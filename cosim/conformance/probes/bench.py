@@ -4,17 +4,17 @@ A legal life of an instance is that of section 4.2.4: instantiate, set up, initi
 call that fails raises `CallFailed`, which the child turns into a finding.
 """
 import json
-import struct
-from collections.abc import Callable, Iterator
+import math
+from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from ..fmi2 import (
+    DISCARD,
     PENDING,
-    STATUS,
     WARNING,
     Instance,
     Library,
@@ -24,58 +24,17 @@ from ..fmi2 import (
     unpacked,
 )
 from ..job import Job, Known
+from .compare import BITS, Column, Difference, worst_difference
+from .registry import CallFailed, NoInstance, status_name
 
-STEPS = 20
+LONGEST_RUN_S = 2.0
+FEWEST_STEPS = 4
+ADDRESSES = (".base.lo", ".base.hi")  # how OSMP, of ASAM's OSI, hands over memory
+NOISE = 10.0  # a replay may differ by so many times what two fresh instances differ
 BASES = ("Real", "Integer", "Boolean", "String")
 
 
-class CallFailed(Exception):
-    """A legal call was refused."""
-
-    def __init__(self, call: str, status: int, where: str):
-        super().__init__(f"{call} returned {status_name(status)} {where}")
-        self.call = call
-        self.status = status
-
-
-class NoInstance(Exception):
-    """fmi2Instantiate returned a null pointer although the GUID was right."""
-
-
-class Probe(NamedTuple):
-    """`legal`: all its calls are legal, so a crash is the FMU's fault beyond doubt; `many`: needs several instances."""
-    name: str
-    run: "Run"
-    legal: bool
-    many: bool
-
-
-PROBES: dict[str, Probe] = {}
-
-
-def probe(name: str, legal: bool = True, many: bool = False) -> "Callable[[Run], Run]":
-    """Register a probe; probes run in the order of registration."""
-
-    def register(run: Run) -> Run:
-        PROBES[name] = Probe(name, run, legal, many)
-        return run
-
-    return register
-
-
-def status_name(status: int) -> str:
-    """A status as the standard spells it."""
-    return STATUS[status] if 0 <= status < len(STATUS) else f"the unknown status {status}"
-
-
 Row = dict[str, bytes | list[Value]]  # by type, packed as the FMU gave it, which is compared quickly
-
-
-@dataclass(frozen=True)
-class Difference:
-    """Where two trajectories part."""
-    variable: str
-    text: str
 
 
 class Bench:
@@ -85,6 +44,7 @@ class Bench:
         self.job = job
         self.answers = answers
         self.mark = mark
+        self.is_over = False  # nothing more can be tested in this process
 
     @cached_property
     def library(self) -> Library:
@@ -93,9 +53,10 @@ class Bench:
 
     # --- reporting ------------------------------------------------------------------------------------
 
-    def fault(self, rule: str, variable: str, found: str, expected: str, severity: str | None = None) -> None:
-        """Report a breach of `rule`; `severity` if it is milder than the rule's own."""
-        self.write_line({"rule": rule, "fault": [variable, found, expected], "severity": severity})
+    def fault(self, rule: str, variable: str, found: str, expected: str, severity: str | None = None,
+              impact: str | None = None) -> None:
+        """Report a breach of `rule`; `severity` and `impact` if they are milder than the rule's own."""
+        self.write_line({"rule": rule, "fault": [variable, found, expected], "severity": severity, "impact": impact})
 
     def skip(self, what: str, why: str) -> None:
         """Report what is not tested, and why."""
@@ -132,7 +93,20 @@ class Bench:
     def step(self, fmu: Instance, number: int, size: float | None = None) -> None:
         """Step number `number`, of `size` s or else the job's step. Raises CallFailed."""
         time = self.time(number)
-        self.expect(fmu.step(time, size or self.job.step), "fmi2DoStep", f"at time {time:g}")
+        status = fmu.step(time, size or self.job.step)
+        if status == DISCARD:
+            self.check_discard(fmu, time, time + (size or self.job.step))
+        self.expect(status, "fmi2DoStep", f"at time {time:g}")
+
+    def check_discard(self, fmu: Instance, begin: float, end: float) -> None:
+        """4.2.3: after a discarded step the master asks how far the FMU came."""
+        status, reached = fmu.last_successful_time()
+        if status > WARNING:
+            self.fault("dynamic.discard-status", "fmi2GetRealStatus", f"{status_name(status)} for "
+                       "fmi2LastSuccessfulTime after fmi2Discard", "fmi2OK and the time")
+        elif not begin - 1e-9 <= reached < end:
+            self.fault("dynamic.discard-status", "fmi2GetRealStatus", f"fmi2LastSuccessfulTime {reached:g}",
+                       f"a time from {begin:g} to below {end:g}")
 
     def expect(self, status: int, call: str, where: str) -> None:
         """Raise unless the status says that the legal call worked."""
@@ -152,17 +126,24 @@ class Bench:
 
     @property
     def steps(self) -> int:
-        """How many steps a run takes: not beyond the default stop time."""
-        if self.job.stop is None or self.job.stop <= self.job.start:
-            return STEPS
-        return max(2, min(STEPS, int((self.job.stop - self.job.start) / self.job.step + 1e-9)))
+        """How many steps a run takes."""
+        return self.job.steps
+
+    def take_fewer_steps(self, seconds: float) -> None:
+        """Shorten all further runs if one takes so many `seconds` that the check would take minutes."""
+        fewer = max(FEWEST_STEPS, int(self.steps * LONGEST_RUN_S / seconds)) if seconds > LONGEST_RUN_S else self.steps
+        if fewer < self.steps:
+            self.skip(f"runs of {self.steps} steps", f"slow: one took {seconds:.1f} s; others have {fewer} steps")
+            self.job = replace(self.job, steps=fewer)
+            self.write_line({"steps": fewer})
 
     # --- trajectories ---------------------------------------------------------------------------------
 
     @cached_property
     def recorded(self) -> list[Known]:
-        """What a trajectory holds: everything that the FMU computes."""
-        return [v for v in self.job.variables if v.causality in ("output", "local", "calculatedParameter")]
+        """What a trajectory holds: everything that the FMU computes. Addresses are no results."""
+        return [v for v in self.job.variables if v.causality in ("output", "local", "calculatedParameter")
+                and not (v.base == "Integer" and v.name.endswith(ADDRESSES))]
 
     @cached_property
     def groups(self) -> dict[str, list[Known]]:
@@ -210,7 +191,7 @@ class Bench:
     def prepare(self) -> None:
         """Make the runs that others are compared with, before a probe has an instance of its own."""
         if not self.is_single:
-            _ = self.is_deterministic
+            _ = self.noise
 
     @cached_property
     def first_run(self) -> list[Row]:
@@ -226,9 +207,17 @@ class Bench:
             return self.run(fmu)
 
     @cached_property
+    def noise(self) -> float:
+        """How far two runs of fresh instances differ, by the scale of the variable that differs most."""
+        different = None if self.is_single else self.difference(self.first_run, self.second_run)
+        if different and not different.counts:
+            return min(different.share, self.job.tolerance)
+        return different.share if different else 0.0
+
+    @property
     def is_deterministic(self) -> bool:
-        """Whether two runs agree to the last bit; without that, replays cannot be judged."""
-        return self.is_single or self.difference(self.first_run, self.second_run) is None
+        """Whether two fresh instances agree within the tolerance; without that, replays cannot be judged."""
+        return self.noise <= self.job.tolerance
 
     @cached_property
     def excitable(self) -> bool:
@@ -253,14 +242,40 @@ class Bench:
         self.expect(fmu.set("Real", [v.reference for v in self.moving_inputs], values), "fmi2SetReal", "on the inputs")
 
     def difference(self, first: list[Row], second: list[Row], offset: int = 0) -> Difference | None:
-        """The first value that differs, to the last bit, between two runs."""
-        for number, (one, two) in enumerate(zip(first, second, strict=False)):
-            if one == two:
-                continue
-            for (v, a), (_, b) in zip(self.values(one), self.values(two), strict=True):
-                if bits(a) != bits(b):
-                    return Difference(v.name, f"{b!r} instead of {a!r} at time {self.time(number + offset + 1):g}")
-        return None
+        """Where two runs differ most; None if they are equal to the last bit. `offset` is the first row's step."""
+        if first == second:
+            return None
+        times = [self.time(number + offset + 1) for number in range(min(len(first), len(second)))]
+        return worst_difference(self.columns(first, second), times, self.job.tolerance)
+
+    def columns(self, first: list[Row], second: list[Row]) -> Iterator[Column]:
+        """Each variable with its values in two runs, where a value of its type differs."""
+        for base, group in self.groups.items():
+            one, two = ([row[base] for row in rows] for rows in (first, second))
+            if one != two:
+                yield from zip(group, *(zip(*(unpacked(base, x) for x in rows)) for rows in (one, two)))
+
+    def judge(self, rule: str, different: Difference | None, expected: str, where: str = "") -> bool:
+        """Report a difference: a breach of `rule` beyond the tolerance, else a warning, or a note where it is rounding.
+
+        Nothing is reported that two fresh instances do not do better. Whether something was reported.
+        """
+        if different is None or different.share <= NOISE * self.noise:
+            return False
+        found = f"{different.text}{where}"
+        if different.share <= self.job.tolerance:
+            found += (f"; at most {different.share:.2g} of the variable's scale, which the tolerance "
+                      f"{self.job.tolerance:g} explains")
+            self.fault(rule, different.variable, found, expected, "warning" if different.share >= BITS else "note",
+                       "formal")
+            return True
+        found += "" if math.isinf(different.share) else f"; up to {different.share:.2g} of the variable's scale"
+        if different.counts:
+            self.fault(rule, different.variable, found, expected)
+        else:
+            found += ", but no output and no state differs by more than the tolerance explains"
+            self.fault(rule, different.variable, found, expected, "warning", "formal")
+        return True
 
 
 def moved(v: Known, share: float) -> float:
@@ -272,11 +287,3 @@ def moved(v: Known, share: float) -> float:
     value = start + 0.01 * scale * share
     value = value if v.low is None else max(v.low, value)
     return value if v.high is None else min(v.high, value)
-
-
-def bits(value: Value) -> object:
-    """A value so that equal means equal to the last bit, also for NaN and for -0.0."""
-    return struct.pack("<d", value) if isinstance(value, float) else value
-
-
-Run = Callable[[Bench], None]

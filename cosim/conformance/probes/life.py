@@ -1,9 +1,12 @@
 """Probes of what every FMU must be able to do: load, live, be read, be written, start again. All calls are legal."""
 import math
+import time
 
 from ..fmi2 import WARNING, Instance, Value
 from ..job import Known
-from .bench import Bench, Row, bits, moved, probe, status_name
+from .bench import Bench, Row, moved
+from .compare import BITS, bits
+from .registry import probe, status_name
 
 
 @probe("load")
@@ -20,9 +23,11 @@ def load(bench: Bench) -> None:
 @probe("life")
 def life(bench: Bench) -> None:
     """4.2.4: a whole life with inputs at their start values, and a second one after a reset in initialization mode."""
+    began = time.monotonic()
     with bench.instance() as fmu:
         bench.run(fmu, excite=False)
         bench.expect(fmu.call("Terminate"), "fmi2Terminate", "after the last step")
+    bench.take_fewer_steps(time.monotonic() - began)
 
 
 @probe("free-null")
@@ -34,7 +39,8 @@ def free_null(bench: Bench) -> None:
 @probe("start-values")
 def start_values(bench: Bench) -> None:
     """2.2.7: constants, parameters, inputs and what has initial "exact" begin with the start value of the XML file."""
-    exact = [v for v in bench.job.variables if v.start is not None and (v.initial == "exact" or v.causality == "input")]
+    exact = [v for v in bench.job.variables if v.start is not None and (v.causality == "input" or (
+             v.initial == "exact" and (v.variability != "discrete" or v.causality == "parameter")))]
     with bench.instance() as fmu:
         bench.initialize(fmu)
         for v, value in bench.readings(fmu, exact):
@@ -198,7 +204,11 @@ def deterministic(bench: Bench) -> None:
     """Two runs of two fresh instances give the same bits."""
     different = bench.difference(bench.first_run, bench.second_run)
     if different:
-        bench.fault("dynamic.deterministic", different.variable, different.text, "the same bits in every run")
+        severity = "note" if different.share < BITS else "warning"
+        impact = None if different.share > bench.job.tolerance else "formal"
+        found = f"{different.text}; up to {different.share:.2g} of the variable's scale"
+        bench.fault("dynamic.deterministic", different.variable, found, "the same bits in every run", severity, impact)
+    if not bench.is_deterministic:
         bench.skip("replays (reset, restored state, other instances)", "two runs of the FMU differ anyway")
 
 
@@ -213,11 +223,10 @@ def reset(bench: Bench) -> None:
         second = bench.run(fmu)
         bench.expect(fmu.call("Reset"), "fmi2Reset", "after a step")
         third = bench.run(fmu)
-    for other in (second, third):
-        different = bench.difference(first, other)
-        if different and bench.is_deterministic:
-            bench.fault("dynamic.reset-replay", different.variable, different.text, "the first run again")
-            return
+    if bench.is_deterministic:
+        different = max(filter(None, (bench.difference(first, other) for other in (second, third))),
+                        key=lambda d: d.share, default=None)
+        bench.judge("dynamic.reset-replay", different, "the first run again")
 
 
 @probe("twice", many=True)
@@ -233,8 +242,8 @@ def twice(bench: Bench) -> None:
         other.free()
         rows += bench.advance(fmu, bench.steps // 2, bench.steps)
         different = bench.difference(bench.first_run, rows)
-    if different and bench.is_deterministic:
-        bench.fault("dynamic.isolation", different.variable, different.text, "what it gives alone")
+    if bench.is_deterministic:
+        bench.judge("dynamic.isolation", different, "what it gives alone")
 
 
 def interleaved(bench: Bench, fmu: Instance, other: Instance) -> list[Row]:
@@ -267,4 +276,7 @@ def logging(bench: Bench) -> None:
         bench.run(fmu, excite=False)
         unknown = sorted({category for _, category in fmu.messages} - set(bench.job.categories))
         if unknown and bench.job.categories:
-            bench.fault("dynamic.log-category", unknown[0], "a category that is not listed", "one of LogCategories")
+            found = f"{len(unknown)} categories that are not listed: {', '.join(unknown)}"
+            bench.fault("dynamic.log-category", unknown[0], found, "one of LogCategories")
+    for what, found in bench.library.strange.items():
+        bench.fault(f"dynamic.log-{what}", "logger", found, f"the instance's own {what}")

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from ..binary import BadBinary, Library, read_library
 from ..repeats import repeated
-from ..rule import ERROR, NOTE, WARNING, static
+from ..rule import static
 from ..subject import Fault, Fmu
 
 # Folder below binaries/ -> (suffix, operating system, allowed processors).
@@ -46,13 +46,13 @@ def has_sources(fmu: Fmu) -> bool:
     return any(path.suffix.lower() in SOURCE_SUFFIXES for path in (fmu.folder / "sources").glob("**/*"))
 
 
-@static("archive.extension", "2.3", ERROR, "The file's name ends in .fmu.")
+@static("archive.extension")
 def extension(fmu: Fmu) -> Iterator[Fault]:
     if fmu.path.suffix.lower() != ".fmu":
         yield Fault(fmu.path.name, f"extension '{fmu.path.suffix}'", "extension '.fmu'")
 
 
-@static("archive.backslash", "2.3", ERROR, "Paths in the archive are separated by '/'.")
+@static("archive.backslash")
 def backslash(fmu: Fmu) -> Iterator[Fault]:
     for name in fmu.members:
         if "\\" in name:
@@ -60,55 +60,55 @@ def backslash(fmu: Fmu) -> Iterator[Fault]:
             return
 
 
-@static("archive.unique", "2.3", WARNING, "No two members differ in the case of their letters only, or not at all.")
+@static("archive.unique")
 def unique_members(fmu: Fmu) -> Iterator[Fault]:
     for name, count in repeated(name.lower() for name in fmu.members):
         yield Fault(name, f"{count} members of this name", "one (some file systems ignore case)")
 
 
-@static("archive.entries", "2.3", NOTE, "The archive's root holds what section 2.3 names.")
+@static("archive.entries")
 def entries(fmu: Fmu) -> Iterator[Fault]:
     tops = {name.replace("\\", "/").split("/")[0] for name in fmu.members}
     for name in sorted(tops - KNOWN_ENTRIES):
         yield Fault(name, "an entry that the specification does not name", "resources/ for whatever the FMU needs")
 
 
-@static("archive.model-png", "2.3", WARNING, "model.png is a PNG image.")
+@static("archive.model-png")
 def model_png(fmu: Fmu) -> Iterator[Fault]:
     file = fmu.folder / "model.png"
     if file.is_file() and not file.read_bytes().startswith(b"\x89PNG\r\n\x1a\n"):
         yield Fault("model.png", "a file that does not begin like a PNG image", "a PNG image")
 
 
-@static("archive.documentation", "2.3", NOTE, "documentation/ has an entry page.")
+@static("archive.documentation")
 def documentation(fmu: Fmu) -> Iterator[Fault]:
     folder = fmu.folder / "documentation"
     if folder.is_dir() and not any((folder / page).is_file() for page in ("index.html", "_main.html")):
         yield Fault("documentation", "no index.html", "documentation/index.html")
 
 
-@static("binary.present", "2.3", ERROR, "There is a binary for at least one platform, or source code.")
+@static("binary.present")
 def binary_present(fmu: Fmu) -> Iterator[Fault]:
     files = [path for folder in platform_folders(fmu) for path in folder.iterdir()]
     if not files and not has_sources(fmu):
         yield Fault("binaries", "neither binaries nor sources", "a shared library, or sources to compile")
 
 
-@static("binary.platform", "2.3", NOTE, "Platform folders have the names of the specification.")
+@static("binary.platform")
 def binary_platform(fmu: Fmu) -> Iterator[Fault]:
     for folder in platform_folders(fmu):
         if folder.name not in PLATFORMS:
             yield Fault(f"binaries/{folder.name}", "a name that few tools look for", ", ".join(PLATFORMS))
 
 
-@static("binary.name", "2.3", ERROR, "The binary of a platform is named after modelIdentifier.")
+@static("binary.name")
 def binary_name(fmu: Fmu) -> Iterator[Fault]:
     for folder in platform_folders(fmu):
         known = PLATFORMS.get(folder.name)
         there = sorted(path.name for path in folder.iterdir())
         if known and fmu.identifier and there and f"{fmu.identifier}{known[0]}" not in there:
             expected = f"binaries/{folder.name}/{fmu.identifier}{known[0]}"
-            yield Fault(f"binaries/{folder.name}", f"only {', '.join(there[:3])}", expected)
+            yield Fault(f"binaries/{folder.name}", f"only {', '.join(there)}", expected)
 
 
 def libraries(fmu: Fmu) -> Iterator[tuple[str, Library | BadBinary]]:
@@ -123,7 +123,7 @@ def libraries(fmu: Fmu) -> Iterator[tuple[str, Library | BadBinary]]:
                 yield folder.name, problem
 
 
-@static("binary.format", "2.3", ERROR, "A binary is a shared library for its folder's system and processor.")
+@static("binary.format")
 def binary_format(fmu: Fmu) -> Iterator[Fault]:
     for platform, library in libraries(fmu):
         _, system, machines = PLATFORMS[platform]
@@ -158,21 +158,21 @@ def not_exported(fmu: Fmu, functions: list[str]) -> Iterator[Fault]:
         prefixed = [name for name in missing if f"{fmu.identifier}_{name}" in library.exports]
         hint = f" (it exports {fmu.identifier}_{prefixed[0]})" if prefixed else ""
         if missing:
-            found = f"without {', '.join(missing[:4])}{', ...' if len(missing) > 4 else ''}{hint}"
+            found = f"without {', '.join(missing)}{hint}"
             yield Fault(f"binaries/{platform}", found, f"{len(functions)} functions of fmi2Functions.h")
 
 
-@static("binary.exports", "4.2", ERROR, "A binary exports every function that co-simulation and its claims need.")
+@static("binary.exports")
 def binary_exports(fmu: Fmu) -> Iterator[Fault]:
     yield from not_exported(fmu, function_names(fmu, claimed=True))
 
 
-@static("binary.exports-all", "4.2", WARNING, "A binary also exports the functions of what it does not claim.")
+@static("binary.exports-all")
 def binary_exports_all(fmu: Fmu) -> Iterator[Fault]:
     yield from not_exported(fmu, function_names(fmu, claimed=False))
 
 
-@static("source.listed", "4.3.1", ERROR, "Every file of SourceFiles is in sources/.")
+@static("source.listed")
 def source_listed(fmu: Fmu) -> Iterator[Fault]:
     for file in fmu.description.root.iterfind("CoSimulation/SourceFiles/File"):
         name = file.get("name", "")
@@ -180,7 +180,14 @@ def source_listed(fmu: Fmu) -> Iterator[Fault]:
             yield Fault(f"sources/{name}", "listed in SourceFiles, not in the archive", "the file")
 
 
-@static("source.list", "4.3.1", NOTE, "Source code comes with a list of the files to compile.")
+@static("source.unique")
+def source_unique(fmu: Fmu) -> Iterator[Fault]:
+    for listed in fmu.description.root.iterfind("*/SourceFiles"):
+        for name, count in repeated(file.get("name", "") for file in listed.iterfind("File")):
+            yield Fault(f"sources/{name}", f"listed {count} times", "once")
+
+
+@static("source.list")
 def source_list(fmu: Fmu) -> Iterator[Fault]:
     if has_sources(fmu) and fmu.description.root.find("*/SourceFiles/File") is None:
         yield Fault("sources", "source files without SourceFiles in modelDescription.xml", "<SourceFiles>")

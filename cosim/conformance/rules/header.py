@@ -5,7 +5,7 @@ from datetime import UTC, datetime, timedelta
 
 from ...master.declared import number
 from ..repeats import repeated
-from ..rule import ERROR, NOTE, WARNING, static
+from ..rule import static
 from ..subject import Fault, Fmu
 
 STANDARD_CATEGORIES = ("logEvents", "logSingularLinearSystems", "logNonlinearSystems", "logDynamicStateSelection",
@@ -16,13 +16,13 @@ C_KEYWORDS = """auto break case char const continue default do double else enum 
 DATE = "%Y-%m-%dT%H:%M:%SZ"
 
 
-@static("xml.encoding", "2.2", ERROR, "modelDescription.xml is encoded in UTF-8.")
+@static("xml.encoding")
 def encoding(fmu: Fmu) -> Iterator[Fault]:
     if fmu.encoding is not None and fmu.encoding.lower() != "utf-8":
         yield Fault("modelDescription.xml", f"encoding '{fmu.encoding}'", "encoding 'UTF-8'")
 
 
-@static("xml.encoding-declared", "2.2", WARNING, "The first line of modelDescription.xml names the encoding.")
+@static("xml.encoding-declared")
 def encoding_declared(fmu: Fmu) -> Iterator[Fault]:
     if fmu.encoding is None:
         yield Fault("modelDescription.xml", "no encoding in the first line", '<?xml version="1.0" encoding="UTF-8"?>')
@@ -38,43 +38,43 @@ def not_finite(fmu: Fmu, names: set[str]) -> Iterator[Fault]:
                 yield Fault(str(owner), f"{name} '{text}'", "a finite number")
 
 
-@static("xml.finite", "2.2", ERROR, "No value of a variable is NaN or infinite.")
+@static("xml.finite")
 def finite(fmu: Fmu) -> Iterator[Fault]:
     yield from not_finite(fmu, {"start"})
 
 
-@static("xml.finite-attribute", "2.2", WARNING, "No other attribute is NaN or infinite (absent means unlimited).")
+@static("xml.finite-attribute")
 def finite_attribute(fmu: Fmu) -> Iterator[Fault]:
     names = {"min", "max", "nominal", "factor", "offset", "startTime", "stopTime", "tolerance", "stepSize"}
     yield from not_finite(fmu, names)
 
 
-@static("header.interface", "2.2.1", ERROR, "At least one of ModelExchange and CoSimulation is present.")
+@static("header.interface")
 def interface(fmu: Fmu) -> Iterator[Fault]:
     if fmu.description.co_simulation is None and fmu.description.model_exchange is None:
         yield Fault("fmiModelDescription", "neither ModelExchange nor CoSimulation", "at least one of the two")
 
 
-@static("header.guid", "2.2.1", WARNING, "The GUID is not empty.")
+@static("header.guid")
 def guid(fmu: Fmu) -> Iterator[Fault]:
     if fmu.description.attributes.get("guid", "?").strip() == "":
         yield Fault("guid", "an empty string", "a fingerprint of the XML file")
 
 
-@static("header.model-name", "2.2.1", WARNING, "The model's name is not empty.")
+@static("header.model-name")
 def model_name(fmu: Fmu) -> Iterator[Fault]:
     if fmu.description.attributes.get("modelName", "?").strip() == "":
         yield Fault("modelName", "an empty string", "the name of the model")
 
 
-@static("header.date", "2.2.1", WARNING, "generationDateAndTime has the form YYYY-MM-DDThh:mm:ssZ.")
+@static("header.date")
 def date(fmu: Fmu) -> Iterator[Fault]:
     text = fmu.description.attributes.get("generationDateAndTime")
     if text is not None and parsed_date(text) is None:
         yield Fault("generationDateAndTime", f"'{text}'", "YYYY-MM-DDThh:mm:ssZ, as in '2009-12-08T14:33:22Z'")
 
 
-@static("header.date-past", "2.2.1", NOTE, "generationDateAndTime lies in the past.")
+@static("header.date-past")
 def date_past(fmu: Fmu) -> Iterator[Fault]:
     text = fmu.description.attributes.get("generationDateAndTime", "")
     when = parsed_date(text)
@@ -90,14 +90,14 @@ def parsed_date(text: str) -> datetime | None:
         return None
 
 
-@static("header.event-indicators", "2.2.1", NOTE, "numberOfEventIndicators is ignored for co-simulation.")
+@static("header.event-indicators")
 def event_indicators(fmu: Fmu) -> Iterator[Fault]:
     count = fmu.description.attributes.get("numberOfEventIndicators", "0").strip()
     if fmu.description.model_exchange is None and count not in ("0", ""):
         yield Fault("numberOfEventIndicators", count, "no such attribute in a pure co-simulation FMU")
 
 
-@static("header.model-identifier", "4.3.1", ERROR, "modelIdentifier is an identifier of the C language.")
+@static("header.model-identifier")
 def model_identifier(fmu: Fmu) -> Iterator[Fault]:
     for interface_attributes in (fmu.description.co_simulation, fmu.description.model_exchange):
         name = (interface_attributes or {}).get("modelIdentifier")
@@ -106,26 +106,26 @@ def model_identifier(fmu: Fmu) -> Iterator[Fault]:
             return
 
 
-@static("header.serialize-needs-state", "4.3.1", ERROR, "canSerializeFMUstate is only set with canGetAndSetFMUstate.")
+@static("header.serialize-needs-state")
 def serialize_needs_state(fmu: Fmu) -> Iterator[Fault]:
     if fmu.description.claims("canSerializeFMUstate") and not fmu.description.claims("canGetAndSetFMUstate"):
         yield Fault("canSerializeFMUstate", "true while canGetAndSetFMUstate is false", "both true, or both false")
 
 
-@static("header.interpolate-needs-input", "4.3.1", NOTE, "canInterpolateInputs is of use with continuous inputs only.")
+@static("header.interpolate-needs-input")
 def interpolate_needs_input(fmu: Fmu) -> Iterator[Fault]:
     inputs = [v for v in fmu.description.variables if v.causality == "input" and v.variability == "continuous"]
     if fmu.description.claims("canInterpolateInputs") and not inputs:
         yield Fault("canInterpolateInputs", "true without a continuous input", "false, or a continuous input")
 
 
-@static("log.unique", "2.2.4", ERROR, "Names of log categories are unique.")
+@static("log.unique")
 def log_unique(fmu: Fmu) -> Iterator[Fault]:
     for name, count in repeated(categories(fmu)):
         yield Fault(name, f"{count} categories of this name", "one")
 
 
-@static("log.standard-name", "2.2.4", WARNING, "Standard log categories are spelled as in the standard.")
+@static("log.standard-name")
 def log_standard_name(fmu: Fmu) -> Iterator[Fault]:
     standard = {name.lower(): name for name in STANDARD_CATEGORIES}
     for name in categories(fmu):
@@ -145,28 +145,28 @@ def experiment(fmu: Fmu, attribute: str) -> float | None:
     return None if element is None else number(element.get(attribute))
 
 
-@static("experiment.stop", "2.2.5", ERROR, "The default stop time is not before the default start time.")
+@static("experiment.stop")
 def experiment_stop(fmu: Fmu) -> Iterator[Fault]:
     start, stop = experiment(fmu, "startTime"), experiment(fmu, "stopTime")
     if start is not None and stop is not None and stop < start:
         yield Fault("stopTime", f"{stop:g} with startTime {start:g}", "stopTime >= startTime")
 
 
-@static("experiment.tolerance", "2.2.5", ERROR, "The default tolerance is not negative.")
+@static("experiment.tolerance")
 def experiment_tolerance(fmu: Fmu) -> Iterator[Fault]:
     tolerance = experiment(fmu, "tolerance")
     if tolerance is not None and tolerance < 0:
         yield Fault("tolerance", f"{tolerance:g}", "a value above 0")
 
 
-@static("experiment.step", "2.2.5", ERROR, "The preferred communication step size is above zero.")
+@static("experiment.step")
 def experiment_step(fmu: Fmu) -> Iterator[Fault]:
     step = experiment(fmu, "stepSize")
     if step is not None and step <= 0:
         yield Fault("stepSize", f"{step:g}", "a value above 0")
 
 
-@static("experiment.step-fits", "2.2.5", WARNING, "The preferred communication step is not longer than the experiment.")
+@static("experiment.step-fits")
 def experiment_step_fits(fmu: Fmu) -> Iterator[Fault]:
     start, stop, step = (experiment(fmu, name) for name in ("startTime", "stopTime", "stepSize"))
     length = None if stop is None else stop - (start or 0.0)
@@ -174,7 +174,7 @@ def experiment_step_fits(fmu: Fmu) -> Iterator[Fault]:
         yield Fault("stepSize", f"{step:g} in an experiment of {length:g} s", "a step that fits in")
 
 
-@static("annotation.unique", "2.2.6", ERROR, "The tool names of a list of annotations are unique.")
+@static("annotation.unique")
 def annotation_unique(fmu: Fmu) -> Iterator[Fault]:
     for listed in fmu.description.root.iter("VendorAnnotations", "Annotations"):
         for name, count in repeated(tool.get("name", "") for tool in listed.iterfind("Tool")):

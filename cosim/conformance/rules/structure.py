@@ -4,7 +4,7 @@ from itertools import pairwise
 
 from ...master.declared import CAUSALITIES, Unknown, Variable
 from ..repeats import repeated
-from ..rule import ERROR, NOTE, WARNING, static
+from ..rule import static
 from ..subject import Fault, Fmu
 
 
@@ -14,14 +14,14 @@ def entry_name(fmu: Fmu, tag: str, unknown: Unknown) -> str:
     return f"{tag}: {variable.name if variable else unknown.index}"
 
 
-@static("structure.index", "2.2.8", ERROR, "Every entry is the index of a variable.")
+@static("structure.index")
 def index(fmu: Fmu) -> Iterator[Fault]:
     for tag, unknown in fmu.description.structure:
         if unknown.index is not None and fmu.description.variable(unknown.index) is None:
             yield Fault(tag, f"index {unknown.index}", f"an index from 1 to {len(fmu.description.variables)}")
 
 
-@static("structure.unique", "2.2.8", ERROR, "No list names a variable twice.")
+@static("structure.unique")
 def unique(fmu: Fmu) -> Iterator[Fault]:
     for tag in ("Outputs", "Derivatives", "InitialUnknowns"):
         for number, count in repeated(u.index for t, u in fmu.description.structure if t == tag):
@@ -29,7 +29,7 @@ def unique(fmu: Fmu) -> Iterator[Fault]:
             yield Fault(f"{tag}: {variable.name if variable else number}", f"{count} entries", "one")
 
 
-@static("structure.outputs-complete", "2.2.8", ERROR, "Outputs lists every variable of causality output.")
+@static("structure.outputs-complete")
 def outputs_complete(fmu: Fmu) -> Iterator[Fault]:
     listed = {unknown.index for unknown in fmu.description.outputs}
     for v in fmu.description.variables:
@@ -37,7 +37,7 @@ def outputs_complete(fmu: Fmu) -> Iterator[Fault]:
             yield Fault(v.name, "an output that is not in Outputs", f'<Unknown index="{v.index}"/> in Outputs')
 
 
-@static("structure.outputs-only", "2.2.8", ERROR, "Outputs lists nothing but variables of causality output.")
+@static("structure.outputs-only")
 def outputs_only(fmu: Fmu) -> Iterator[Fault]:
     for unknown in fmu.description.outputs:
         variable = fmu.description.variable(unknown.index)
@@ -45,7 +45,7 @@ def outputs_only(fmu: Fmu) -> Iterator[Fault]:
             yield Fault(variable.name, f"a {variable.causality} in Outputs", "outputs only")
 
 
-@static("structure.derivative", "2.2.8", ERROR, "Every entry of Derivatives has the attribute `derivative`.")
+@static("structure.derivative")
 def derivative(fmu: Fmu) -> Iterator[Fault]:
     for unknown in fmu.description.derivatives:
         variable = fmu.description.variable(unknown.index)
@@ -53,7 +53,7 @@ def derivative(fmu: Fmu) -> Iterator[Fault]:
             yield Fault(variable.name, "in Derivatives without attribute `derivative`", "the index of its state")
 
 
-@static("structure.state", "2.2.8", ERROR, "A continuous state is a local or an output.")
+@static("structure.state")
 def state(fmu: Fmu) -> Iterator[Fault]:
     for number in sorted(fmu.description.states):
         variable = fmu.description.variable(number)
@@ -68,7 +68,7 @@ def unknowns_to_list(fmu: Fmu) -> list[Variable]:
             or (v.initial in ("approx", "calculated") and (v.causality == "output" or v.index in of_states))]
 
 
-@static("structure.initial-complete", "2.2.8", ERROR, "InitialUnknowns lists every unknown of the initialization.")
+@static("structure.initial-complete")
 def initial_complete(fmu: Fmu) -> Iterator[Fault]:
     listed = {unknown.index for unknown in fmu.description.initial_unknowns}
     for v in unknowns_to_list(fmu):
@@ -77,7 +77,7 @@ def initial_complete(fmu: Fmu) -> Iterator[Fault]:
             yield Fault(v.name, f"{v.causality}, initial '{v.initial}', not in InitialUnknowns", expected)
 
 
-@static("structure.initial-only", "2.2.8", ERROR, "InitialUnknowns lists nothing but unknowns of the initialization.")
+@static("structure.initial-only")
 def initial_only(fmu: Fmu) -> Iterator[Fault]:
     allowed = {v.index for v in unknowns_to_list(fmu)}
     for unknown in fmu.description.initial_unknowns:
@@ -87,7 +87,7 @@ def initial_only(fmu: Fmu) -> Iterator[Fault]:
             yield Fault(variable.name, what, "only what is calculated during initialization")
 
 
-@static("structure.initial-order", "2.2.8", ERROR, "InitialUnknowns is ordered by index.")
+@static("structure.initial-order")
 def initial_order(fmu: Fmu) -> Iterator[Fault]:
     indices = [unknown.index or 0 for unknown in fmu.description.initial_unknowns]
     for first, second in pairwise(indices):
@@ -96,7 +96,7 @@ def initial_order(fmu: Fmu) -> Iterator[Fault]:
             return
 
 
-@static("dependency.index", "2.2.8", ERROR, "Every dependency is the index of a variable.")
+@static("dependency.index")
 def dependency_index(fmu: Fmu) -> Iterator[Fault]:
     for tag, unknown in fmu.description.structure:
         for number in unknown.dependencies or []:
@@ -105,7 +105,7 @@ def dependency_index(fmu: Fmu) -> Iterator[Fault]:
                 yield Fault(entry_name(fmu, tag, unknown), f"dependency {number}", f"an index from 1 to {limit}")
 
 
-@static("dependency.order", "2.2.8", ERROR, "Dependencies are ordered by index.")
+@static("dependency.order")
 def dependency_order(fmu: Fmu) -> Iterator[Fault]:
     for tag, unknown in fmu.description.structure:
         if any(first > second for first, second in pairwise(unknown.dependencies or [])):
@@ -113,14 +113,14 @@ def dependency_order(fmu: Fmu) -> Iterator[Fault]:
             yield Fault(entry_name(fmu, tag, unknown), f"dependencies '{found}'", "increasing indices")
 
 
-@static("dependency.unique", "2.2.8", ERROR, "No dependency is listed twice.")
+@static("dependency.unique")
 def dependency_unique(fmu: Fmu) -> Iterator[Fault]:
     for tag, unknown in fmu.description.structure:
         for number, count in repeated(unknown.dependencies or []):
             yield Fault(entry_name(fmu, tag, unknown), f"dependency {number} listed {count} times", "once")
 
 
-@static("dependency.kind-count", "2.2.8", ERROR, "dependenciesKind comes with dependencies and has as many entries.")
+@static("dependency.kind-count")
 def kind_count(fmu: Fmu) -> Iterator[Fault]:
     for tag, unknown in fmu.description.structure:
         if unknown.kinds is None:
@@ -132,7 +132,7 @@ def kind_count(fmu: Fmu) -> Iterator[Fault]:
             yield Fault(entry_name(fmu, tag, unknown), found, "one kind for each dependency")
 
 
-@static("dependency.initial-kind", "2.2.8", ERROR, "In InitialUnknowns a dependency is `dependent` or `constant`.")
+@static("dependency.initial-kind")
 def initial_kind(fmu: Fmu) -> Iterator[Fault]:
     for unknown in fmu.description.initial_unknowns:
         for kind in sorted({"fixed", "tunable", "discrete"} & set(unknown.kinds or [])):
@@ -140,7 +140,7 @@ def initial_kind(fmu: Fmu) -> Iterator[Fault]:
             yield Fault(name, f"dependenciesKind '{kind}'", "dependent or constant")
 
 
-@static("dependency.kind-real", "2.2.8", ERROR, "Only dependencies of Reals on Reals have a factor.")
+@static("dependency.kind-real")
 def kind_real(fmu: Fmu) -> Iterator[Fault]:
     for tag, unknown in fmu.description.structure:
         target = fmu.description.variable(unknown.index)
@@ -164,7 +164,7 @@ def is_known(fmu: Fmu, v: Variable, tag: str) -> bool:
     return v.causality == "parameter" and v.variability == "tunable"
 
 
-@static("dependency.known", "2.2.8", WARNING, "Dependencies name inputs, states, time; initially what is exact.")
+@static("dependency.known")
 def dependency_known(fmu: Fmu) -> Iterator[Fault]:
     for tag, unknown in fmu.description.structure:
         for number in unknown.dependencies or []:
@@ -174,7 +174,7 @@ def dependency_known(fmu: Fmu) -> Iterator[Fault]:
                 yield Fault(entry_name(fmu, tag, unknown), found, "inputs, states, time (initially also what is exact)")
 
 
-@static("dependency.missing", "2.2.8", NOTE, "Outputs say what they depend on (else a master assumes all inputs).")
+@static("dependency.missing")
 def dependency_missing(fmu: Fmu) -> Iterator[Fault]:
     has_inputs = any(v.causality == "input" for v in fmu.description.variables)
     unsaid = [u for u in fmu.description.outputs if u.dependencies is None and u.kinds is None]

@@ -5,7 +5,7 @@ from lxml import etree
 
 from ...master.declared import SimpleType, Variable, integer, number
 from ..repeats import repeated
-from ..rule import ERROR, NOTE, WARNING, static
+from ..rule import static
 from ..subject import Fault, Fmu
 
 EXPONENTS = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
@@ -55,20 +55,20 @@ def unit_carriers(fmu: Fmu) -> Iterator[tuple[str, str | None, str | None]]:
             yield v.name, v.resolved("unit"), v.resolved("displayUnit")
 
 
-@static("unit.unique", "2.2.2", ERROR, "Unit names are unique.")
+@static("unit.unique")
 def unit_unique(fmu: Fmu) -> Iterator[Fault]:
     for name, count in repeated(unit.get("name", "") for unit in unit_elements(fmu)):
         yield Fault(name, f"{count} units of this name", "one")
 
 
-@static("unit.display-unique", "2.2.2", ERROR, "Display unit names are unique within their unit.")
+@static("unit.display-unique")
 def display_unique(fmu: Fmu) -> Iterator[Fault]:
     for unit in unit_elements(fmu):
         for name, count in repeated(display.get("name", "") for display in unit.findall("DisplayUnit")):
             yield Fault(f"{unit.get('name')}: {name}", f"{count} display units of this name", "one")
 
 
-@static("unit.base-factor", "2.2.2", ERROR, "The factor to the base unit is not zero.")
+@static("unit.base-factor")
 def base_factor(fmu: Fmu) -> Iterator[Fault]:
     for unit in unit_elements(fmu):
         for base in unit.findall("BaseUnit"):
@@ -76,7 +76,7 @@ def base_factor(fmu: Fmu) -> Iterator[Fault]:
                 yield Fault(unit.get("name", ""), "BaseUnit factor 0", "a factor that can be inverted")
 
 
-@static("unit.display-factor", "2.2.2", ERROR, "The factor to a display unit is not zero.")
+@static("unit.display-factor")
 def display_factor(fmu: Fmu) -> Iterator[Fault]:
     for unit in unit_elements(fmu):
         for display in unit.findall("DisplayUnit"):
@@ -84,7 +84,7 @@ def display_factor(fmu: Fmu) -> Iterator[Fault]:
                 yield Fault(f"{unit.get('name')}: {display.get('name')}", "factor 0", "a factor that can be inverted")
 
 
-@static("unit.display-is-unit", "2.2.2", WARNING, "A display unit that has its unit's own name converts nothing.")
+@static("unit.display-is-unit")
 def display_is_unit(fmu: Fmu) -> Iterator[Fault]:
     for unit in unit_elements(fmu):
         for display in unit.findall("DisplayUnit"):
@@ -93,7 +93,7 @@ def display_is_unit(fmu: Fmu) -> Iterator[Fault]:
                 yield Fault(unit.get("name", ""), f"factor {factor:g}, offset {offset:g}", "factor 1, offset 0")
 
 
-@static("unit.known-name", "2.2.2", WARNING, "A unit with a well-known name has the base unit which that name implies.")
+@static("unit.known-name")
 def known_name(fmu: Fmu) -> Iterator[Fault]:
     for unit in unit_elements(fmu):
         base, known = unit.find("BaseUnit"), WELL_KNOWN.get(unit.get("name", ""))
@@ -111,21 +111,21 @@ def spelled(exponents: tuple[int | None, ...], factor: float) -> str:
     return f"{factor:g} " + (" ".join(parts) or "1")
 
 
-@static("unit.defined", "2.2.2", ERROR, "Every unit that is used is defined in UnitDefinitions.")
+@static("unit.defined")
 def unit_defined(fmu: Fmu) -> Iterator[Fault]:
     for name, unit, _ in unit_carriers(fmu):
         if unit is not None and unit not in unit_names(fmu):
             yield Fault(name, f"unit '{unit}' is not defined", "a Unit of this name in UnitDefinitions")
 
 
-@static("unit.display-needs-unit", "2.2.3", ERROR, "A display unit is only given together with a unit.")
+@static("unit.display-needs-unit")
 def display_needs_unit(fmu: Fmu) -> Iterator[Fault]:
     for name, unit, display in unit_carriers(fmu):
         if display is not None and unit is None:
             yield Fault(name, f"displayUnit '{display}' without unit", "a unit, or no displayUnit")
 
 
-@static("unit.display-defined", "2.2.3", WARNING, "A display unit is defined with its unit (otherwise it is ignored).")
+@static("unit.display-defined")
 def display_defined(fmu: Fmu) -> Iterator[Fault]:
     known = {u.get("name", ""): {d.get("name") for d in u.findall("DisplayUnit")} for u in unit_elements(fmu)}
     for name, unit, display in unit_carriers(fmu):
@@ -133,7 +133,7 @@ def display_defined(fmu: Fmu) -> Iterator[Fault]:
             yield Fault(name, f"displayUnit '{display}' is not defined for '{unit}'", "a DisplayUnit of this name")
 
 
-@static("unit.unused", "2.2.2", NOTE, "Every unit that is defined is used.")
+@static("unit.unused")
 def unit_unused(fmu: Fmu) -> Iterator[Fault]:
     used = {v.resolved("unit") for v in fmu.description.variables}
     used |= {declared.attributes.get("unit") for declared in fmu.description.types}
@@ -141,7 +141,7 @@ def unit_unused(fmu: Fmu) -> Iterator[Fault]:
         yield Fault(name, "used by no type and no variable", "a use, or no definition")
 
 
-@static("unit.derivative", "2.2.2", WARNING, "A derivative has the unit of its variable per second.")
+@static("unit.derivative")
 def derivative_unit(fmu: Fmu) -> Iterator[Fault]:
     bases = {unit.get("name", ""): unit.find("BaseUnit") for unit in unit_elements(fmu)}
     for rate in fmu.description.variables:
@@ -160,13 +160,13 @@ def si_exponents(base: etree._Element) -> list[int]:
     return [integer(base.get(name, "0")) or 0 for name in EXPONENTS[:7]]
 
 
-@static("type.unique", "2.2.3", ERROR, "Type names are unique.")
+@static("type.unique")
 def type_unique(fmu: Fmu) -> Iterator[Fault]:
     for name, count in repeated(declared.name for declared in fmu.description.types):
         yield Fault(name, f"{count} types of this name", "one")
 
 
-@static("type.no-variable-name", "2.2.3", ERROR, "No type has the name of a variable.")
+@static("type.no-variable-name")
 def type_not_variable(fmu: Fmu) -> Iterator[Fault]:
     variables = {v.name for v in fmu.description.variables}
     for declared in fmu.description.types:
@@ -174,35 +174,35 @@ def type_not_variable(fmu: Fmu) -> Iterator[Fault]:
             yield Fault(declared.name, "the name of a type and of a variable", "different names")
 
 
-@static("type.item-values", "2.2.3", ERROR, "The values of an enumeration are unique.")
+@static("type.item-values")
 def item_values(fmu: Fmu) -> Iterator[Fault]:
     for declared in fmu.description.types:
         for value, count in repeated(item.get("value", "") for item in declared.items):
             yield Fault(declared.name, f"{count} items of value {value}", "one")
 
 
-@static("type.item-names", "2.2.3", ERROR, "The item names of an enumeration are unique (names and values correspond).")
+@static("type.item-names")
 def item_names(fmu: Fmu) -> Iterator[Fault]:
     for declared in fmu.description.types:
         for name, count in repeated(item.get("name", "") for item in declared.items):
             yield Fault(declared.name, f"{count} items named '{name}'", "one")
 
 
-@static("type.declared", "2.2.7", ERROR, "The declared type of a variable is defined.")
+@static("type.declared")
 def type_declared(fmu: Fmu) -> Iterator[Fault]:
     for v in fmu.description.variables:
         if "declaredType" in v.own and v.declared is None:
             yield Fault(v.name, f"declaredType '{v.own['declaredType']}' is not defined", "a SimpleType of this name")
 
 
-@static("type.kind", "2.2.7", ERROR, "The declared type of a variable is of the variable's own type.")
+@static("type.kind")
 def type_kind(fmu: Fmu) -> Iterator[Fault]:
     for v in fmu.description.variables:
         if v.declared is not None and v.declared.type != v.type:
             yield Fault(v.name, f"{v.type} with declaredType '{v.declared.name}'", f"a type of kind {v.type}")
 
 
-@static("type.unused", "2.2.3", NOTE, "Every type that is defined is used.")
+@static("type.unused")
 def type_unused(fmu: Fmu) -> Iterator[Fault]:
     used = {v.own.get("declaredType") for v in fmu.description.variables}
     for declared in fmu.description.types:
@@ -216,7 +216,7 @@ def ranged(fmu: Fmu) -> Iterator[tuple[str, Variable | SimpleType]]:
     yield from ((v.name, v) for v in fmu.description.variables)
 
 
-@static("range.min-max", "2.2.3", ERROR, "min is not above max.")
+@static("range.min-max")
 def min_max(fmu: Fmu) -> Iterator[Fault]:
     for name, item in ranged(fmu):
         if isinstance(item, Variable) and not {"min", "max"} & item.own.keys():
@@ -227,7 +227,19 @@ def min_max(fmu: Fmu) -> Iterator[Fault]:
             yield Fault(name, f"min {low:g} above max {high:g}", "min <= max")
 
 
-@static("range.nominal", "2.2.3", ERROR, "nominal is above zero.")
+@static("range.within-type")
+def within_type(fmu: Fmu) -> Iterator[Fault]:
+    for v in fmu.description.variables:
+        if v.declared is None:
+            continue
+        low, high = number(v.declared.attributes.get("min")), number(v.declared.attributes.get("max"))
+        wider = (low is not None and (v.min or low) < low) or (high is not None and (v.max or high) > high)
+        if wider and {"min", "max"} & v.own.keys():
+            yield Fault(v.name, f"{v.resolved('min')} to {v.resolved('max')}, wider than type '{v.declared.name}'",
+                        "a range within the type's")
+
+
+@static("range.nominal")
 def nominal(fmu: Fmu) -> Iterator[Fault]:
     for name, item in ranged(fmu):
         attributes = item.own if isinstance(item, Variable) else item.attributes

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 from ...master.declared import CAUSALITIES, INITIAL, VARIABILITIES, Variable, integer, number
 from ..repeats import repeated
-from ..rule import ERROR, WARNING, static
+from ..rule import FORMAL, static
 from ..subject import Fault, Fmu
 
 # Section 2.2.9, the grammar of "structured" names. The specification's escapes are \' \" \? \\ \a \b \f \n \r \t \v.
@@ -15,34 +15,34 @@ IDENTIFIER = rf"{PART}(?:\.{PART})*"
 STRUCTURED = re.compile(rf"{IDENTIFIER}|der\({IDENTIFIER}(?:,\d+)?\)")
 
 
-@static("variable.unique", "2.2.7", ERROR, "Variable names are unique.")
+@static("variable.unique")
 def unique(fmu: Fmu) -> Iterator[Fault]:
     for name, count in repeated(v.name for v in fmu.description.variables):
         yield Fault(name, f"{count} variables of this name", "one")
 
 
-@static("variable.named", "2.2.7", ERROR, "Every variable has a name.")
+@static("variable.named")
 def named(fmu: Fmu) -> Iterator[Fault]:
     for v in fmu.description.variables:
         if "name" in v.attributes and v.name == "":
             yield Fault(f"variable {v.index}", "an empty name", "a name")
 
 
-@static("variable.name-spaces", "2.2.9", WARNING, "A name neither begins nor ends with a space.")
+@static("variable.name-spaces")
 def name_spaces(fmu: Fmu) -> Iterator[Fault]:
     for v in fmu.description.variables:
         if is_flat(fmu) and v.name != v.name.strip(" "):
             yield Fault(v.name, f"'{v.name}'", f"'{v.name.strip()}'")
 
 
-@static("variable.flat-name", "2.2.9", ERROR, "A flat name holds no tab, line feed or carriage return.")
+@static("variable.flat-name")
 def flat_name(fmu: Fmu) -> Iterator[Fault]:
     for v in fmu.description.variables:
         if is_flat(fmu) and re.search(r"[\t\n\r]", v.name):
             yield Fault(v.name, repr(v.name), "a name without tab, line feed and carriage return")
 
 
-@static("variable.structured-name", "2.2.9", ERROR, "Names follow the grammar of structured names if declared.")
+@static("variable.structured-name")
 def structured_name(fmu: Fmu) -> Iterator[Fault]:
     for v in fmu.description.variables:
         if not is_flat(fmu) and v.name and not STRUCTURED.fullmatch(v.name):
@@ -54,7 +54,14 @@ def is_flat(fmu: Fmu) -> bool:
     return fmu.description.attributes.get("variableNamingConvention", "flat") != "structured"
 
 
-@static("variable.causality", "2.2.7", ERROR, "Causality and variability may be combined.")
+@static("variable.derivative-name")
+def derivative_name(fmu: Fmu) -> Iterator[Fault]:
+    for v in fmu.description.variables:
+        if not is_flat(fmu) and v.name.startswith("der(") and v.type not in ("Real", ""):
+            yield Fault(v.name, f"a {v.type}", "a Real: derivatives are")
+
+
+@static("variable.causality")
 def causality(fmu: Fmu) -> Iterator[Fault]:
     for v in fmu.description.variables:
         known = v.causality in CAUSALITIES and v.variability in VARIABILITIES  # else the schema's finding
@@ -63,7 +70,7 @@ def causality(fmu: Fmu) -> Iterator[Fault]:
             yield Fault(v.name, f"a {v.variability} {v.causality}", f"variability {' or '.join(allowed)}")
 
 
-@static("variable.continuous-real", "2.2.7", ERROR, "Only Real variables are continuous.")
+@static("variable.continuous-real")
 def continuous_real(fmu: Fmu) -> Iterator[Fault]:
     for v in fmu.description.variables:
         allowed = (v.variability, v.causality) in INITIAL
@@ -72,7 +79,7 @@ def continuous_real(fmu: Fmu) -> Iterator[Fault]:
             yield Fault(v.name, f"a continuous {v.type}{implied}", "variability discrete, or type Real")
 
 
-@static("variable.initial", "2.2.7", ERROR, "`initial` has a value that causality and variability allow.")
+@static("variable.initial")
 def initial(fmu: Fmu) -> Iterator[Fault]:
     for v in fmu.description.variables:
         allowed = INITIAL.get((v.variability, v.causality))
@@ -91,7 +98,7 @@ def wants_start(v: Variable) -> bool | None:
     return v.causality == "input" or v.initial in ("exact", "approx")
 
 
-@static("variable.start-missing", "2.2.7", ERROR, "A start value where initial is exact or approx, or to an input.")
+@static("variable.start-missing")
 def start_missing(fmu: Fmu) -> Iterator[Fault]:
     for v in fmu.description.variables:
         if v.type and v.start is None and wants_start(v) is True:
@@ -99,7 +106,7 @@ def start_missing(fmu: Fmu) -> Iterator[Fault]:
             yield Fault(v.name, "no start value", f"a start value ({why})")
 
 
-@static("variable.start-forbidden", "2.2.7", ERROR, "No start value where initial is calculated, or to time.")
+@static("variable.start-forbidden")
 def start_forbidden(fmu: Fmu) -> Iterator[Fault]:
     for v in fmu.description.variables:
         if v.start is not None and wants_start(v) is False:
@@ -107,7 +114,7 @@ def start_forbidden(fmu: Fmu) -> Iterator[Fault]:
             yield Fault(v.name, f"start '{v.start}'", f"no start value ({why})")
 
 
-@static("variable.start-range", "2.2.7", ERROR, "The start value lies between min and max.")
+@static("variable.start-range")
 def start_range(fmu: Fmu) -> Iterator[Fault]:
     for v in fmu.description.variables:
         start, low, high = number(v.start), number(v.resolved("min")), number(v.resolved("max"))
@@ -120,7 +127,7 @@ def start_range(fmu: Fmu) -> Iterator[Fault]:
             yield Fault(v.name, f"start {start:g}", bounds)
 
 
-@static("variable.start-item", "2.2.7", ERROR, "The start value of an enumeration is the value of one of its items.")
+@static("variable.start-item")
 def start_item(fmu: Fmu) -> Iterator[Fault]:
     for v in fmu.description.variables:
         if v.type == "Enumeration" and v.declared is not None and v.declared.items and integer(v.start) is not None:
@@ -129,14 +136,14 @@ def start_item(fmu: Fmu) -> Iterator[Fault]:
                 yield Fault(v.name, f"start {v.start}", f"one of {', '.join(map(str, values))}")
 
 
-@static("variable.independent", "2.2.7", ERROR, "At most one variable is the independent variable.")
+@static("variable.independent")
 def independent(fmu: Fmu) -> Iterator[Fault]:
     names = [v.name for v in fmu.description.variables if v.causality == "independent"]
     if len(names) > 1:
         yield Fault(names[1], f"{len(names)} independent variables: {', '.join(names)}", "at most one")
 
 
-@static("variable.derivative-index", "2.2.7", ERROR, "`derivative` is the index of another variable.")
+@static("variable.derivative-index")
 def derivative_index(fmu: Fmu) -> Iterator[Fault]:
     for v in fmu.description.variables:
         if v.derivative is not None and (v.derivative == v.index or fmu.description.variable(v.derivative) is None):
@@ -144,7 +151,7 @@ def derivative_index(fmu: Fmu) -> Iterator[Fault]:
             yield Fault(v.name, f"derivative {v.derivative}", others)
 
 
-@static("variable.derivative-real", "2.2.7", ERROR, "A derivative and its variable are continuous Reals.")
+@static("variable.derivative-real")
 def derivative_real(fmu: Fmu) -> Iterator[Fault]:
     for v in fmu.description.variables:
         of = fmu.description.variable(v.derivative)
@@ -155,21 +162,21 @@ def derivative_real(fmu: Fmu) -> Iterator[Fault]:
                 yield Fault(v.name, f"'{one.name}' is a {one.variability} {one.type}", "a continuous Real")
 
 
-@static("variable.reinit", "2.2.7", ERROR, "`reinit` is not present in a pure co-simulation FMU.")
+@static("variable.reinit")
 def reinit(fmu: Fmu) -> Iterator[Fault]:
     for v in fmu.description.variables:
         if "reinit" in v.own and fmu.description.model_exchange is None:
             yield Fault(v.name, f"reinit '{v.own['reinit']}'", "no `reinit` (for ModelExchange only)")
 
 
-@static("variable.reinit-state", "2.2.7", ERROR, "`reinit` is only given to a continuous state.")
+@static("variable.reinit-state")
 def reinit_state(fmu: Fmu) -> Iterator[Fault]:
     for v in fmu.description.variables:
         if "reinit" in v.own and fmu.description.model_exchange is not None and v.index not in fmu.description.states:
             yield Fault(v.name, f"reinit '{v.own['reinit']}'", "no `reinit`: the variable is not a state")
 
 
-@static("variable.multiple-set", "2.2.7", ERROR, "canHandleMultipleSetPerTimeInstant is for ModelExchange only.")
+@static("variable.multiple-set")
 def multiple_set(fmu: Fmu) -> Iterator[Fault]:
     for v in fmu.description.variables:
         if "canHandleMultipleSetPerTimeInstant" in v.attributes and fmu.description.model_exchange is None:
@@ -194,7 +201,7 @@ def is_settable(v: Variable) -> bool:
     return v.variability != "constant" and (v.causality == "input" or v.initial in ("exact", "approx"))
 
 
-@static("alias.settable", "2.2.7", ERROR, "At most one variable of an alias set can be set by the environment.")
+@static("alias.settable")
 def alias_settable(fmu: Fmu) -> Iterator[Fault]:
     for variables in alias_sets(fmu):
         settable = [v for v in variables if is_settable(v)]
@@ -203,7 +210,7 @@ def alias_settable(fmu: Fmu) -> Iterator[Fault]:
             yield Fault(settable[1].name, found, "at most one of them")
 
 
-@static("alias.constant", "2.2.7", ERROR, "A constant is only aliased to constants.")
+@static("alias.constant")
 def alias_constant(fmu: Fmu) -> Iterator[Fault]:
     for variables in alias_sets(fmu):
         constant = [v for v in variables if v.variability == "constant"]
@@ -211,7 +218,7 @@ def alias_constant(fmu: Fmu) -> Iterator[Fault]:
             yield Fault(constant[0].name, f"{quoted_names(variables)} share a value", "all of them constant, or none")
 
 
-@static("alias.constant-start", "2.2.7", ERROR, "Aliased constants have the same start value.")
+@static("alias.constant-start")
 def alias_constant_start(fmu: Fmu) -> Iterator[Fault]:
     for variables in alias_sets(fmu):
         starts = {v.start for v in variables if v.variability == "constant"}
@@ -219,9 +226,28 @@ def alias_constant_start(fmu: Fmu) -> Iterator[Fault]:
             yield Fault(variables[1].name, f"starts {', '.join(sorted(map(str, starts)))}", "one start value for all")
 
 
-@static("alias.unit", "2.2.7", ERROR, "Aliased variables have the same unit.")
+@static("alias.unit")
 def alias_unit(fmu: Fmu) -> Iterator[Fault]:
     for variables in alias_sets(fmu):
         units = {v.resolved("unit") for v in variables}
         if len(units) > 1:
-            yield Fault(variables[1].name, f"units {', '.join(sorted(map(str, units)))} in one alias set", "one unit")
+            found = f"units {', '.join(sorted(map(str, units)))} in one alias set"
+            contradicts = len(units - {None}) > 1
+            yield Fault(variables[1].name, found, "one unit", None if contradicts else FORMAL)
+
+
+@static("alias.variability")
+def alias_variability(fmu: Fmu) -> Iterator[Fault]:
+    for variables in alias_sets(fmu):
+        found = {v.variability for v in variables}
+        if len(found) > 1 and "constant" not in found and not any(v.causality == "independent" for v in variables):
+            told = f"{quoted_names(variables)} share a value and are {', '.join(sorted(found))}"
+            yield Fault(variables[1].name, told, "one variability")
+
+
+@static("alias.independent")
+def alias_independent(fmu: Fmu) -> Iterator[Fault]:
+    for variables in alias_sets(fmu):
+        settable = [v for v in variables if is_settable(v)]
+        if settable and any(v.causality == "independent" for v in variables):
+            yield Fault(settable[0].name, f"{quoted_names(variables)} share a value", "time alone")

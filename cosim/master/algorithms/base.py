@@ -65,7 +65,7 @@ def step(component: int, period: int = 1) -> Row:
 def outputs(master: Master, component: int, hold: bool, decimate: int = 1, period: int = 1) -> list[Row]:
     """Read what others need, and on recorded ticks what is only to be recorded."""
     def when(group: Group) -> tuple[int, int]:
-        return (period, 0) if period > 1 or group.connected or decimate == 1 else (decimate, decimate - 1)
+        return (period, 0) if period > 1 or group.connected else (decimate, decimate - 1)
     marks = [row(P.MARK, component, period, 0, period)] if hold or period > 1 else []
     return marks + [row(P.GET, g.number, *when(g)) for g in master.wiring.outputs[component]]
 

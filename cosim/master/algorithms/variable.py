@@ -23,7 +23,7 @@ from ..dependencies import value_needs
 from ..loaded import NO_ROWS, NO_TIMES, Ended, Master
 from ..program import row
 from .base import Experiment, chosen_order, need_states, turn
-from .options import ORDER, Options, linear, positive
+from .options import ORDER, Options, linear, tolerance
 
 MOST_STEPS, SHORTEST = 100, 1e-6  # times the first step
 SAFETY, SHRINK, GROW = 0.9, 0.2, 3.0
@@ -31,7 +31,7 @@ SAFETY, SHRINK, GROW = 0.9, 0.2, 3.0
 
 class Variable:
     """Gauss-Seidel with a step that the estimated error sets."""
-    OPTIONS: ClassVar[Options] = {"tolerance": (1e-6, positive), "hold": (True, linear), **ORDER}
+    OPTIONS: ClassVar[Options] = {"tolerance": (1e-6, tolerance), "hold": (True, linear), **ORDER}
 
     def __init__(self, master: Master, options: dict[str, Any], experiment: Experiment):
         need_states(master, "variable")

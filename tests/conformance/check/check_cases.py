@@ -9,7 +9,7 @@ from typing import NamedTuple
 import defects_archive
 import defects_dynamic
 import defects_static
-from check_fixture import members, write
+from check_fixture import BASE_XML, members, swapped, write
 
 
 class Case(NamedTuple):
@@ -29,7 +29,8 @@ def _static(defect: defects_static.Defect) -> Case:
 
 
 def _dynamic(defect: defects_dynamic.Defect) -> Case:
-    return Case("dynamic", defect.rule, defect.what, lambda file: write(file, members(defect=defect.macro)))
+    xml = swapped(*defect.edits) if defect.edits else BASE_XML
+    return Case("dynamic", defect.rule, defect.what, lambda file: write(file, members(xml, defect=defect.macro)))
 
 
 STATIC = [_static(defect) for defect in defects_static.DEFECTS]

@@ -154,5 +154,8 @@ DEFECTS = (
         lambda content: _binary(_without_state)(_described(_NO_STATE_XML)(content)),
     ),
     _changed("source.listed", "a listed source file is missing", _described(_SOURCES_XML)),
+    Defect("source.unique", "a source file listed twice", lambda file: write(
+        file, members(_SOURCES_XML.replace('<File name="no.c"/>', 2 * '<File name="all.c"/>'))
+        | {"sources/all.c": b"int a;"})),
     _with("source.list", "sources without a list", {"sources/all.c": b"int main(void) { return 0; }"}),
 )

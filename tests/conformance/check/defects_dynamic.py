@@ -9,9 +9,13 @@ class Defect(NamedTuple):
     rule: str
     macro: str
     what: str
+    edits: tuple[str, str] | None = None  # what to replace in fixture.xml, by what
 
 
-DEFECTS = tuple(
+ZERO_INPUT = Defect("naive.zero-inputs", "ZERO_INPUT", "zeros on the inputs end the initialization",
+                    ('max="10" start="0"', 'max="10" start="1"'))
+
+DEFECTS = ZERO_INPUT, *(
     Defect(f"dynamic.{rule}", macro, what)
     for rule, macro, what in (
         ("load", "UNRESOLVED", "needs a function that no library has"),
@@ -51,13 +55,20 @@ DEFECTS = tuple(
         ("varying-steps", "FIXED_STEP", "only one step size works"),
         ("state-replay", "STATE_FORGETS", "a hidden state is not saved"),
         ("state-free", "STATE_DANGLES", "fmi2FreeFMUstate leaves the pointer"),
+        ("state-values", "STATE_INPUTS", "inputs and parameters are not saved"),
+        ("serialize-replay", "SERIALIZE_FORGETS", "a hidden state is not serialized"),
         ("serialize-replay", "SERIALIZE_ROUNDS", "serialization rounds a state"),
         ("directional", "DIRECTIONAL", "directional derivatives fail though claimed"),
         ("input-derivatives", "INPUT_DERIVATIVES", "derivatives of inputs fail though claimed"),
         ("output-derivatives", "OUTPUT_DERIVATIVES", "derivatives of outputs fail though claimed"),
         ("log-off", "LOG_OFF", "messages though logging is off"),
+        ("log-environment", "LOG_ENVIRONMENT", "the logger gets another environment"),
+        ("log-name", "LOG_NAME", "the logger gets another name than the instance's"),
+        ("discard-status", "DISCARD_STATUS", "the time of a discarded step is not told"),
         ("log-category", "LOG_CATEGORY", "messages of a category that is not listed"),
         ("memory", "LEAK", "20 kB stay behind with each instance"),
+        ("memory", "SMALL_LEAK", "32 bytes stay behind with each instance"),
+        ("memory", "KEEPS_INSTANCE", "fmi2FreeInstance does not free the instance"),
         ("memory", "STEP_LEAK", "1 kB stays behind with each step"),
         ("handles", "HANDLE_LEAK", "an open file stays behind with each instance"),
         ("guid", "ANY_GUID", "any GUID is taken"),

@@ -56,7 +56,7 @@ DEFECTS: tuple[Defect, ...] = (
     _swap("xml.encoding-declared", "no encoding declared", '<?xml version="1.0" encoding="UTF-8"?>\n', ""),
     _swap("xml.well-formed", "an element left open", "</ModelStructure>", ""),
     _swap("xml.entities", "a harmless entity", '"UTF-8"?>', '"UTF-8"?>\n<!DOCTYPE a [<!ENTITY b "c">]>'),
-    _swap("xml.fmi-version", "an FMI 3.0 description", 'fmiVersion="2.0"', 'fmiVersion="3.0"'),
+    _swap("xml.fmi-version", "an FMI 1.0 description", 'fmiVersion="2.0"', 'fmiVersion="1.0"'),
     _swap("xml.schema", "no GUID", f" {_GUID}", ""),
     _swap("xml.schema", "an unknown attribute", 'modelName="Fixture"', 'modelName="Fixture" colour="red"'),
     _edit("xml.schema", "an unknown causality", "label", 'causality="parameter"', 'causality="knob"'),
@@ -101,6 +101,7 @@ DEFECTS: tuple[Defect, ...] = (
     _before("type.unused", "an unused type", _LAST_TYPE, '<SimpleType name="T"><Real/></SimpleType>'),
     _edit("range.min-max", "min above max", "u", 'min="-10" max="10"', 'min="10" max="-10"'),
     _swap("range.min-max", "min above max in a type", 'min="-1000" max="1000"', 'min="1000" max="-1000"'),
+    _edit("range.within-type", "a range wider than the type's", "x", 'start="1"', 'start="1" max="2000"'),
     _edit("range.nominal", "nominal 0", "y", 'nominal="1"', 'nominal="0"'),
     _edit("range.nominal", "a negative nominal", "y", 'nominal="1"', 'nominal="-1"'),
     _swap("range.nominal", "nominal 0 in a type", 'nominal="1" min', 'nominal="0" min'),
@@ -177,7 +178,18 @@ DEFECTS: tuple[Defect, ...] = (
         _LOCAL.format("g2", 7, "constant", "", 'start="9.8"'),
     ),
     _edit("alias.unit", "an alias in seconds", "plant.x[1]", 'unit="m"', 'unit="s"'),
+    _before(
+        "alias.variability", "a discrete alias", _LAST_VARIABLE, _LOCAL.format("x2", 1, "discrete", "", 'unit="m"')
+    ),
+    _before(
+        "alias.independent",
+        "a parameter that is time",
+        _LAST_VARIABLE,
+        _LOCAL.format("t2", 0, "tunable", 'causality="parameter"', 'unit="s" start="0"'),
+    ),
     # 2.2.9: names
+    _before("variable.derivative-name", "an Integer derivative", _LAST_VARIABLE,
+            '<ScalarVariable name="der(n)" valueReference="9" variability="discrete"><Integer/></ScalarVariable>'),
     _edit("variable.structured-name", "a name that begins with a digit", "g", 'name="g"', 'name="9g"'),
     _edit("variable.structured-name", "an open bracket", "plant.x[1]", "plant.x[1]", "plant.x[1"),
     _swap("variable.flat-name", "a line feed in a flat name", _STRUCTURED, _FLAT, 'name="g"', 'name="a&#10;g"'),
@@ -236,5 +248,10 @@ DEFECTS: tuple[Defect, ...] = (
         _Y_OUTPUT,
         'index="13" dependencies="2 4 8" dependenciesKind="tunable constant dependent"',
     ),
+    # What naive importers do not bear: the correct FMU has the first two
+    _swap("naive.non-real-output", "outputs of all types"),
+    _swap("naive.needs-inputs", "outputs that depend on inputs at once"),
+    _swap("naive.unit-name", "a unit with a root", '<Unit name="1/s">', '<Unit name="sqrt(s-2)">', 'unit="1/s"',
+          'unit="sqrt(s-2)"'),
     _swap("dependency.missing", "an output without dependencies", _COUNT_OUTPUT, '<Unknown index="8"/>'),
 )

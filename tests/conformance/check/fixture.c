@@ -48,6 +48,7 @@ typedef struct {
     fmi2CallbackLogger logger;
     fmi2ComponentEnvironment environment;
     void *heap;
+    char name[64];
 } Fmu;
 
 static void *last_stepped;
@@ -56,7 +57,7 @@ static int instances;
 
 static void log_message(Fmu *f, fmi2Status status, const char *category, const char *text) {
     if (f->logging || status != fmi2OK || BUG(LOG_OFF))
-        f->logger(f->environment, "fixture", status, category, "%s", text);
+        f->logger(BUG(LOG_ENVIRONMENT) ? f : f->environment, BUG(LOG_NAME) ? "fixture" : f->name, status, category, "%s", text);
 }
 
 static fmi2Status refuse(Fmu *f, const char *text) {
@@ -73,6 +74,7 @@ static void start_values(Fmu *f) {
     memset(&f->d, 0, sizeof f->d);
     f->d.r[X] = BUG(RESET_FORGETS) && f->mode ? keep : 1.0;
     f->d.r[K] = BUG(START_VALUE) ? 0.6 : 0.5;
+    f->d.r[U] = BUG(ZERO_INPUT) ? 1.0 : 0.0;
     f->d.r[GAIN] = 2.0;
     f->d.r[G] = 9.81;
     f->d.b[ON] = 1;
@@ -105,13 +107,18 @@ extern int function_that_nobody_has(void);
 
 fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
                               const fmi2CallbackFunctions *functions, fmi2Boolean visible, fmi2Boolean logging) {
-    (void)name, (void)resources, (void)visible;
+    (void)resources, (void)visible;
     if (type != fmi2CoSimulation || (strcmp(guid, GUID) && !BUG(ANY_GUID))) return NULL;
     if (BUG(NO_INSTANCE) || (BUG(ONE_INSTANCE) && instances > 0)) return NULL;
+    if (BUG(NO_LICENCE)) {
+        functions->logger(functions->componentEnvironment, name, fmi2Error, "logStatusError", "no %s: %d", "licence", 7);
+        return NULL;
+    }
     Fmu *f = calloc(1, sizeof *f);
     if (!f) return NULL;
     instances++;
     f->logger = functions->logger;
+    snprintf(f->name, sizeof f->name, "%s", name);
     f->environment = functions->componentEnvironment;
     f->logging = logging;
     f->heap = malloc(20000);
@@ -130,7 +137,8 @@ void fmi2FreeInstance(fmi2Component c) {
     }
     instances--;
     if (!BUG(LEAK)) free(f->heap);
-    free(f);
+    if (BUG(SMALL_LEAK)) memset(malloc(32), 1, 32);
+    if (!BUG(KEEPS_INSTANCE)) free(f);
 }
 
 fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t n, const fmi2String categories[]) {
@@ -162,7 +170,7 @@ fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
 fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
     Fmu *f = c;
     ALLOW(INITIALIZING);
-    if (BUG(EXIT_FAILS)) return fmi2Error;
+    if (BUG(EXIT_FAILS) || (BUG(ZERO_INPUT) && f->d.r[U] == 0.0)) return fmi2Error;
     calculate(f);
     f->mode = STEPPING;
     return fmi2OK;
@@ -298,7 +306,9 @@ fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *state) {
 fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate state) {
     Fmu *f = c, *from = state;
     double hidden = f->d.hidden;
+    Data now = f->d;
     f->d = from->d;
+    if (BUG(STATE_INPUTS)) f->d.r[U] = now.r[U], f->d.r[GAIN] = now.r[GAIN], f->d.b[ON] = now.b[ON];
     f->mode = from->mode;
     if (BUG(STATE_FORGETS) && !from->from_bytes) f->d.hidden = hidden;
     return fmi2OK;
@@ -321,6 +331,7 @@ fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate state, size_
 fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate state, fmi2Byte data[], size_t size) {
     (void)c;
     memcpy(data, state, size);
+    if (BUG(SERIALIZE_FORGETS)) ((Fmu *)data)->d.hidden = 0.0;
     if (BUG(SERIALIZE_ROUNDS)) ((Fmu *)data)->d.r[X] = (float)((Fmu *)data)->d.r[X];
     return fmi2OK;
 }
@@ -414,7 +425,7 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real h, fmi2Boolean no
     if (BUG(SLOW)) usleep(5000);
     if (BUG(STEP_HANGS) && f->d.i[COUNT] == 3) sleep(1000);
     if (BUG(STEP_FAILS) && f->d.i[COUNT] == 3) return refuse(f, "defect");
-    if (BUG(STEP_DISCARDS) && f->d.i[COUNT] == 3) return fmi2Discard;
+    if ((BUG(STEP_DISCARDS) || BUG(DISCARD_STATUS)) && f->d.i[COUNT] == 3) return fmi2Discard;
     if (BUG(STEP_PENDING) && f->d.i[COUNT] == 3) return fmi2Pending;
     misbehave();
     if (BUG(SHARED) && instances > 1 && last_stepped != f) f->d.hidden += 1.0;
@@ -435,7 +446,10 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real h, fmi2Boolean no
 fmi2Status fmi2CancelStep(fmi2Component c) { return refuse(c, "no step is under way"); }
 fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind k, fmi2Status *v) { return (void)k, (void)v, refuse(c, "-"); }
 fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind k, fmi2Real *v) {
-    return (void)k, (void)v, refuse(c, "-");
+    Fmu *f = c;
+    if (BUG(DISCARD_STATUS) || k != fmi2LastSuccessfulTime) return refuse(f, "-");
+    *v = f->d.r[TIME];
+    return fmi2OK;
 }
 fmi2Status fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind k, fmi2Integer *v) {
     return (void)k, (void)v, refuse(c, "-");

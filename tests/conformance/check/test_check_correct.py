@@ -34,7 +34,9 @@ MINIMAL = """<?xml version="1.0" encoding="UTF-8"?>
 
 
 def _told(report: Report) -> list[str]:
-    return [f"{f.severity} {f.rule} {f.variable}: {f.found}" for f in report.findings]
+    """All findings but the notes about naive importers, which the fixture's types and dependencies get rightly."""
+    return [f"{f.severity} {f.rule} {f.variable}: {f.found}" for f in report.findings
+            if not f.rule.startswith("naive.")]
 
 
 def _skipped(report: Report) -> str:
@@ -91,7 +93,7 @@ def test_slow_fmu_gets_no_finding_and_the_report_says_what_was_left(tmp_path: Pa
 def test_missing_tool_of_an_fmu_that_needs_one_is_no_error(tmp_path: Path, macro: str) -> None:
     xml = swapped('modelIdentifier="Fixture"', 'modelIdentifier="Fixture" needsExecutionTool="true"')
     report = check(write(tmp_path / "Fixture.fmu", members(xml, defect=macro)), cycles=100)
-    assert [finding.severity for finding in report.findings] == ["warning"]
+    assert [finding.severity for finding in report.findings if finding.severity != "note"] == ["warning"]
 
 
 def test_stored_instead_of_deflated_is_no_error(tmp_path: Path) -> None:
@@ -113,7 +115,7 @@ def test_our_own_fmus_have_no_error(fmu: Path) -> None:
 def test_what_is_wrong_with_the_python_flavour_is_named(python_fmus: dict[str, Path]) -> None:
     """All are properties of pythonfmu's binary: see contract.py."""
     report = check(python_fmus["AhvPlant"], cycles=100)
-    found = {f.rule: (f.severity, f.found) for f in report.findings}
+    found = {f.rule: (f.severity, f.found) for f in report.findings if not f.rule.startswith("naive.")}
     assert found.keys() - {"dynamic.memory"} == {
         "dynamic.fatal", "dynamic.stop-time", "dynamic.log-refusal", "dynamic.guid", "dynamic.state-free"}
     severity, text = found["dynamic.fatal"]

@@ -13,22 +13,42 @@ from cosim.conformance.checker import check as _loaded  # noqa: F401  (registers
 from cosim.conformance.report import Report
 from cosim.conformance.rule import RULES
 
-# Crashes after a master's mistake, and a discarded step, are no clear breach.
+# Crashes after a master's mistake, and a discarded step, are no clear breach; what is lost by rounding to a float is
+# less than the FMU's tolerance.
 MILDER = {
     "dynamic.crash: a call in the wrong mode aborts",
     "dynamic.crash: a negative step aborts",
     "dynamic.legal-call: fmi2DoStep discards a step",
+    "dynamic.serialize-replay: serialization rounds a state",
+}
+BESIDE = {"dynamic.discard-status": "dynamic.legal-call"}  # a finding that the defect cannot do without
+REFUSED, FORMAL = "other tools refuse it", "formal"
+IMPACTS_OF = {
+    "binary.format: a Linux library for Windows": REFUSED,
+    "dynamic.crash: fmi2FreeInstance aborts on a null pointer": FORMAL,
+    "dynamic.crash: a call in the wrong mode aborts": FORMAL,
+    "dynamic.crash: a negative step aborts": FORMAL,
+    "dynamic.serialize-replay: serialization rounds a state": FORMAL,
+    "dynamic.legal-call: fmi2Terminate fails": REFUSED,
+    "dynamic.legal-call: fmi2Reset fails": REFUSED,
+    "dynamic.legal-call: fmi2GetFMUstate fails though claimed": REFUSED,
+    "dynamic.legal-call: fmi2DeSerializeFMUstate fails though claimed": REFUSED,
+    "dynamic.legal-call: fmi2SetDebugLogging fails": REFUSED,
 }
 
 
 def _assert_only(case: Case, report: Report) -> None:
-    assert {f.rule for f in report.findings} == {case.rule}, [f"{f.rule}: {f.found}" for f in report.findings]
-    for finding in report.findings:
-        assert finding.section == RULES[case.rule].section
+    beside = BESIDE.get(case.rule)
+    findings = [f for f in report.sorted_findings()
+                if f.rule == case.rule or not (f.rule.startswith("naive.") or f.rule == beside)]
+    assert {f.rule for f in findings} == {case.rule}, [f"{f.rule}: {f.found}" for f in findings]
+    for finding in findings:
+        assert finding.section == RULES[case.rule].sections["2.0"]
         assert finding.variable and finding.found and finding.expected
         assert "\n" not in finding.found
-    worst = report.sorted_findings()[0].severity
-    assert worst == ("warning" if str(case) in MILDER else RULES[case.rule].severity)
+    worst = findings[0]
+    assert worst.severity == ("warning" if str(case) in MILDER else RULES[case.rule].severity)
+    assert worst.impact == IMPACTS_OF.get(str(case), RULES[case.rule].impact)
 
 
 @pytest.mark.parametrize("case", STATIC, ids=str)

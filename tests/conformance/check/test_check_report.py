@@ -21,11 +21,17 @@ from cosim.errors import UsageError
 def test_json_has_the_documented_keys(tmp_path: Path) -> None:
     xml = BASE_XML.replace('stepSize="0.01"', 'stepSize="0"').replace("03:04:05Z", "03:04:05")
     data = json.loads(json.dumps(to_dict(check(write(tmp_path / "Fixture.fmu", members(xml)), dynamic=False))))
-    assert set(data) == {"fmu", "passed", "counts", "findings", "not_tested", "sandbox"}
+    assert set(data) == {"fmu", "passed", "verdict", "fmi_version", "tool", "counts", "impacts", "findings",
+                         "not_tested", "ignored", "sandbox"}
     assert data["passed"] is False
-    assert data["counts"] == {"error": 1, "warning": 1, "note": 0}
-    assert [finding["rule"] for finding in data["findings"]] == ["experiment.step", "header.date"]
-    assert set(data["findings"][0]) == {"rule", "section", "severity", "variable", "found", "expected"}
+    assert data["counts"] == {"error": 1, "warning": 1, "note": 2}
+    assert [finding["rule"] for finding in data["findings"]] == [
+        "experiment.step", "header.date", "naive.non-real-output", "naive.needs-inputs"]
+    assert data["impacts"] == {"does not load": 0, "wrong results": 1, "other tools refuse it": 1, "formal": 2}
+    assert data["verdict"] == ("It was read, not run; 1 finding can give wrong results, 1 finding is formal, "
+                               "there are 2 notes (2 on what a naive importer may not bear).")
+    assert set(data["findings"][0]) == {"rule", "section", "severity", "variable", "found", "expected", "impact",
+                                           "says", "group", "known"}
     assert data["not_tested"] == [{"what": "everything dynamic", "why": "not asked for"}]
 
 

@@ -1,0 +1,50 @@
+"""The probes by name, and how one ends before its end."""
+from collections.abc import Callable
+from typing import TYPE_CHECKING, NamedTuple
+
+from ..fmi2 import STATUS
+
+if TYPE_CHECKING:
+    from .bench import Bench
+
+Run = Callable[["Bench"], None]
+FLYING = ("load", "life")  # the probes without which nothing flies
+
+
+class CallFailed(Exception):
+    """A legal call was refused."""
+
+    def __init__(self, call: str, status: int, where: str):
+        super().__init__(f"{call} returned {status_name(status)} {where}")
+        self.call = call
+        self.status = status
+
+
+class NoInstance(Exception):
+    """fmi2Instantiate returned a null pointer although the GUID was right."""
+
+
+class Probe(NamedTuple):
+    """`legal`: all its calls are legal, so a crash is the FMU's fault beyond doubt; `many`: needs several instances."""
+    name: str
+    run: Run
+    legal: bool
+    many: bool
+
+
+PROBES: dict[str, Probe] = {}
+
+
+def probe(name: str, legal: bool = True, many: bool = False) -> Callable[[Run], Run]:
+    """Register a probe; probes run in the order of registration."""
+
+    def register(run: Run) -> Run:
+        PROBES[name] = Probe(name, run, legal, many)
+        return run
+
+    return register
+
+
+def status_name(status: int) -> str:
+    """A status as the standard spells it."""
+    return STATUS[status] if 0 <= status < len(STATUS) else f"the unknown status {status}"
