@@ -5,7 +5,6 @@ request that cannot be carried out, 70 for what nobody foresaw, which then is in
 """
 import errno
 import os
-import signal
 import sys
 from typing import Annotated
 
@@ -30,13 +29,12 @@ from . import (
     trim,
     tune,
 )
+from .ending import ending
 from .unforeseen import UNFORESEEN, unforeseen
 
 # What the system says of a file that cannot be read or written where the user wants it.
 REFUSED = (errno.ENOENT, errno.EACCES, errno.EPERM, errno.ENOTDIR, errno.EISDIR, errno.EEXIST, errno.ENAMETOOLONG,
            errno.ELOOP, errno.EROFS)
-
-ENDING = tuple(getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name))
 
 app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False)
 for command in (run, recover, compare, info, trim, linearize, simulate, ssp, container, check, campaign, tune, build):
@@ -61,18 +59,9 @@ def ahv(version: Annotated[bool, typer.Option("--version", callback=show_version
 
 def main() -> None:
     """Entry point of the program: its exit status, with signals as an end that removes temporary files."""
-    for number in ENDING:
-        if signal.getsignal(number) == signal.SIG_DFL:  # nohup ignores SIGHUP
-            signal.signal(number, end)
-    keep_output_apart()
-    sys.exit(done(sys.argv[1:]))
-
-
-def end(number: int, _: object) -> None:
-    """End the program, in the way of an exception; further signals of this kind do not disturb that."""
-    for each in ENDING:
-        signal.signal(each, signal.SIG_IGN)
-    sys.exit(128 + number)
+    with ending():
+        keep_output_apart()
+        sys.exit(done(sys.argv[1:]))
 
 
 def done(words: list[str]) -> int:

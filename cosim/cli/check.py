@@ -14,6 +14,9 @@ if TYPE_CHECKING:
     from ..conformance.report import Report
 
 
+WIDEST = 120  # characters of a line on a terminal
+
+
 class FailOn(StrEnum):
     """Which findings make the exit status 1."""
     ERROR = "error"
@@ -90,27 +93,12 @@ def check(
 
 
 def show(report: "Report", fail_on: str, everything: bool) -> None:
-    """Print a report: tables on a terminal, else one line a finding."""
-    from rich.console import Console
-    from rich.text import Text
+    """Print a report: a page on a terminal, else one line a finding."""
+    from shutil import get_terminal_size
 
     from ..conformance import formats
-    from ..conformance.report import EVERYTHING, findings_table, not_tested_table
 
-    if not sys.stdout.isatty():
+    if sys.stdout.isatty():
+        print("\n".join([*formats.page(report, min(get_terminal_size().columns, WIDEST), fail_on, everything), ""]))
+    else:
         print("\n".join(formats.lines(report, fail_on, everything)))
-        return
-    console = Console()
-    console.print(Text(report.fmu.name, "bold"), Text(f": {report.verdict}"), sep="")
-    shown = formats.main_findings(report, fail_on, everything)
-    if shown:
-        console.print(findings_table(report, shown, len(shown)))
-    if everything and report.not_tested:
-        console.print(not_tested_table(report))
-    for item in report.not_tested:
-        if item.what == EVERYTHING and not everything:
-            console.print(Text(f"not tested: {item.what}: {item.why}"))
-    if not everything and (rest := formats.left_out(report, shown)):
-        console.print(Text(rest))
-    if shown:
-        console.print(f"`ahv check --explain {shown[0].rule}` says why and how to mend it.")

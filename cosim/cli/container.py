@@ -50,7 +50,7 @@ def container(
             loop = closed_loop(plan, controller, plant, flavour, chosen_presets(preset), assignments(set_), uncertainty)
             note(loop.notes)
             name, what, stop = plan.name, loop.system, plan.stop
-        size = step if step is not None else what.step or DEFAULT_STEP
+        size = what.step or DEFAULT_STEP if step is None else step
         tick_count(size, size if stop is None else stop)
         path = expanded(out) if out else Path("results") / f"{Path(system).stem}.fmu"
         note(write_container(path, name, what, size, stop, connector or None))

@@ -36,7 +36,7 @@ def work(text: str, answers: int) -> None:
         is_loaded = loads(bench)
         if is_loaded:
             run_probe(bench, name)
-        bench.note("end", name)
+        bench.write_line({"end": name, "spent": time.process_time()})
         if not is_loaded or bench.is_over or bench.library.is_corrupt or bench.is_single:
             return  # the parent starts a new process for the remaining probes
 
@@ -83,6 +83,7 @@ def report_no_instance(bench: Bench, name: str) -> None:
     if number > 1:
         found += f" for instance number {number} of the process, while fewer than 3 were alive (probe '{name}')"
         impact = "other tools refuse it"
+        bench.is_over = True  # a fresh process may do better
     bench.fault("dynamic.instantiate", "fmi2Instantiate", found, "an instance", severity, impact)
 
 

@@ -5,10 +5,10 @@ names the probe, the mark names the call, and a new child runs the remaining pro
 """
 import contextlib
 import json
-import os
 import platform
 import sys
 import time
+from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -29,6 +29,7 @@ PATIENCE_S = 8.0  # for repetitions
 BUDGET_S = 35.0  # of computing, after which further probes are left out
 WRONG_USE_S = 5.0  # that a call may take which the standard does not allow
 MOST_HANGS = 2  # after wrong use
+MOST_DEATHS = 2  # on wrong use of one kind, such as "unknown-reference"
 TOLERANCE = 1e-4  # where the file names none
 MOST_LIMITS = 4  # a probe whose calls all return is given up after this many time limits
 FATAL_RULES = {"dynamic.load": "the FMU cannot be loaded", "dynamic.hang": "the FMU hangs",
@@ -58,9 +59,9 @@ def run(fmu: Fmu, report: Report, work: Path, limits: Limits, cycles: int) -> No
 def run_probes(job: Job, report: Report, work: Path, limits: Limits) -> None:
     """Run the job's probes, in a new child process where one has ended."""
     deadline = time.monotonic() + limits.total_s
-    begun = computed()
+    deaths: Counter[str] = Counter()
     while job.probes:
-        done, steps = run_child(job, report, work, limits, deadline)
+        done, steps, died = run_child(job, report, work, limits, deadline)
         if done == 0:
             reason = (work / "stderr.txt").read_text("utf-8", "replace").strip() or "no reason given"
             raise RuntimeError(f"the checking process did not begin with '{job.probes[0]}': {reason}")
@@ -70,17 +71,24 @@ def run_probes(job: Job, report: Report, work: Path, limits: Limits) -> None:
         is_slow = any(item.why == "the FMU is slow" for item in report.not_tested)
         if cause or is_slow or not report.ran:
             return
+        left = job.probes[done:]
         if sum(f.rule == "dynamic.hang" for f in report.findings) >= MOST_HANGS:
-            report.skip("further wrong use", "the FMU hangs on it")
-            job = replace(job, probes=[*job.probes[:done], *(n for n in job.probes[done:] if PROBES[n].legal)])
-        job = replace(job, probes=job.probes[done:], steps=steps,
-                      budget=BUDGET_S - (computed() - begun))
+            left = without(left, [n for n in left if not PROBES[n].legal], "the FMU hangs on wrong use", report)
+        if died:
+            family = job.probes[done - 1].partition(":")[0]
+            deaths[family] += 1
+            if deaths[family] >= MOST_DEATHS:
+                alike = [n for n in left if n.partition(":")[0] == family]
+                left = without(left, alike, "the FMU has crashed on others of this kind", report)
+        job = replace(job, probes=left, steps=steps,
+                      budget=BUDGET_S - report.computed_s)
 
 
-def computed() -> float:
-    """Seconds of computing of all processes that this one has started and that have ended."""
-    spent = os.times()
-    return spent.children_user + spent.children_system
+def without(names: list[str], dropped: list[str], why: str, report: Report) -> list[str]:
+    """The probes `names` but for those that are dropped, which are reported as not tested."""
+    if dropped:
+        report.skip(", ".join(dropped), why)
+    return [name for name in names if name not in dropped]
 
 
 def ends_the_check(finding: Finding) -> bool:
@@ -161,10 +169,10 @@ def known_variable(v: Variable, counts: bool) -> Known:
     )
 
 
-def run_child(job: Job, report: Report, work: Path, limits: Limits, deadline: float) -> tuple[int, int]:
+def run_child(job: Job, report: Report, work: Path, limits: Limits, deadline: float) -> tuple[int, int, bool]:
     """Run one child until it ends, crashes or is stopped, and note its findings.
 
-    How many probes have been begun, and how many steps further runs shall have.
+    How many probes have been begun, how many steps further runs shall have, and whether the last probe did not end.
     """
     mark = work / "mark.bin"
     mark.write_bytes(bytes(MARK_BYTES))
@@ -175,10 +183,11 @@ def run_child(job: Job, report: Report, work: Path, limits: Limits, deadline: fl
         child.end()
     begun, ended, told = take_answers(child.answers, report)
     died = str(told.get("died", ""))
+    report.computed_s += float(told.get("spent", 0.0))
     if len(begun) > len(ended):
         death = stopped or died or why(child.process.returncode, limits) or "exit code 0"
         report_death(report, job, begun[-1], death, Mark.read(mark)[1], limits)
-    return len(begun), told.get("steps", job.steps)
+    return len(begun), told.get("steps", job.steps), len(begun) > len(ended)
 
 
 def wait_for_end(child: Confined, mark: Path, limits: Limits, deadline: float) -> str:
@@ -233,6 +242,7 @@ def take_answers(lines: list[str], report: Report) -> tuple[list[str], list[str]
             begun.append(line["begin"])
         elif "end" in line:
             ended.append(line["end"])
+            told["spent"] = line.get("spent", 0.0)
         else:
             told |= line
     return begun, ended, told

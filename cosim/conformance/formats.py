@@ -2,16 +2,18 @@
 import json
 from collections.abc import Iterable, Sequence
 from importlib.metadata import PackageNotFoundError, version
+from itertools import groupby
 from pathlib import Path
 from textwrap import fill
 from typing import Any
 from xml.etree import ElementTree
 
-from .report import EVERYTHING, FAILS, Finding, Report, to_dict
+from .report import EVERYTHING, FAILS, NAIVE, Finding, Report, to_dict
 from .rule import ERROR, NOTE, RULES, SEVERITIES, Rule
 
 SARIF = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
 WIDTH = 100
+MOST_ROWS = 10  # of one rule, unless all are asked for
 
 
 def sentence(f: Finding) -> str:
@@ -46,12 +48,48 @@ def lines(report: Report, fail_on: str = "error", everything: bool = False) -> l
     return [*told, f"{name}: {rest}"] if not everything and (rest := left_out(report, shown)) else told
 
 
+def page(report: Report, width: int, fail_on: str = "error", everything: bool = False) -> list[str]:
+    """The report for a terminal: the verdict, then under each impact the rules with their sentences and findings."""
+    shown = main_findings(report, fail_on, everything)
+    told = [fill(f"{report.fmu.name}: {report.verdict}", width)]
+    for heading, findings in groupby(shown, heading_of):
+        told += ["", heading]
+        for (severity, name), same in groupby(findings, lambda f: (f.severity, f.rule)):
+            told.append(indented(f"{severity}: {name} ({RULES[name].sections[report.fmi_version]}): {RULES[name].says}",
+                                 2, width))
+            rows = [indented(sentence(f), 6, width) for f in same]
+            told += rows if everything else rows[:MOST_ROWS]
+            if len(rows) > MOST_ROWS and not everything:
+                told.append(f"      and {len(rows) - MOST_ROWS} more, which --all shows")
+    untested = [item for item in report.not_tested if everything or item.what == EVERYTHING]
+    if untested:
+        ran = f" (it ran in the sandbox: {report.sandbox})" if report.sandbox else ""
+        told += ["", f"not tested{ran}", *(indented(f"{item.what}: {item.why}", 2, width) for item in untested)]
+    ends = [f"Findings left out by --ignore: {report.ignored}."] if report.ignored else []
+    ends += [rest] if not everything and (rest := left_out(report, shown)) else []
+    ends += [f"`ahv check --explain {shown[0].rule}` says why and how to mend it."] if shown else []
+    return [*told, *([""] if ends else []), *ends]
+
+
+def heading_of(f: Finding) -> str:
+    """The heading under which a finding is shown."""
+    if f.severity != NOTE:
+        return f.impact
+    return "Would a naive importer manage?" if f.group == NAIVE else "notes"
+
+
+def indented(text: str, by: int, width: int) -> str:
+    """Text in lines of `width`; words are left whole."""
+    return fill(text, width, initial_indent=" " * by, subsequent_indent=" " * (by + 4), break_long_words=False,
+                break_on_hyphens=False)
+
+
 def explain(rule: Rule) -> str:
     """What the standard asks, why, and how to mend it."""
     asked = ", ".join(f"FMI {number}, section {section}" for number, section in rule.sections.items())
     parts = [("asked by", asked), ("severity", rule.severity), ("if broken", rule.impact), ("why", rule.why),
              ("mend it in C", rule.c), ("in pythonfmu", rule.pythonfmu)]
-    parts += [("known of", f"{pattern}: {text}") for pattern, text in rule.tools.items()]
+    parts += [("known", text) for text in rule.tools.values()]
     told = [f"{rule.name}: {rule.says}", ""]
     for heading, text in parts:
         told.append(fill(text, WIDTH, initial_indent=f"{heading:14}", subsequent_indent=" " * 14))

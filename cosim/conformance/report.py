@@ -11,12 +11,13 @@ from rich.text import Text
 
 from ..errors import UsageError, did_you_mean
 from ..text import html_table, html_text, printable
-from .rule import DOES_NOT_LOAD, ERROR, FORMAL, IMPACTS, NOTE, REFUSED, RULES, SEVERITIES, WRONG_RESULTS
+from .rule import DOES_NOT_LOAD, ERROR, FORMAL, IMPACTS, NOTE, RULES, SEVERITIES, WRONG_RESULTS
 from .subject import Fault
 
 MOST_ROWS = 100
 COLOURS = {"error": "bold red", "warning": "yellow", "note": "dim"}
 HEADINGS = ("impact", "severity", "rule", "section", "variable", "found", "expected")
+NAIVE = "naive importer"  # the group of what importers need that read the standard in a hurry
 EVERYTHING = "everything dynamic"  # what is not tested when the FMU does not run
 
 
@@ -68,6 +69,7 @@ class Report:
     sandbox: str = ""  # what was around the FMU when it ran: bwrap, unshare, none; empty if it did not run
     fmi_version: str = "2.0"
     tool: str = ""  # generationTool of the FMU
+    computed_s: float = 0.0  # seconds of computing in the processes that ran the FMU
     ignored: int = 0  # findings that were left out on request
 
     def add(self, rule: str, fault: Fault, severity: str | None = None, impact: str | None = None) -> None:
@@ -119,21 +121,24 @@ class Report:
     @property
     def verdict(self) -> str:
         """What the findings mean, in one sentence."""
-        found = Counter(f.impact for f in self.findings if f.severity != NOTE)
-        notes = self.count(NOTE)
-        parts = [f"{n} finding{'s' * (n != 1)} can give wrong results" for n in [found[WRONG_RESULTS]] if n]
-        parts += [f"other tools may refuse it for {n} finding{'s' * (n != 1)}" for n in [found[REFUSED]] if n]
-        parts += [f"{n} finding{'s are' if n != 1 else ' is'} formal" for n in [found[FORMAL]] if n]
-        parts += [f"there {'is' if notes == 1 else 'are'} {notes} note{'s' * (notes != 1)}"] if notes else []
+        loads, wrong, refused, formal = (amount([f for f in self.findings if f.severity != NOTE and f.impact == impact])
+                                         for impact in IMPACTS)
+        parts = [f"{wrong} can give wrong results"] if wrong else []
+        parts += [f"other tools may refuse it for {refused}"] if refused else []
+        parts += [f"{formal} {'is' if formal.startswith('1 ') else 'are'} formal"] if formal else []
+        if notes := self.count(NOTE):
+            naive = sum(f.group == NAIVE and f.severity == NOTE for f in self.findings)
+            parts.append(f"there {'is 1 note' if notes == 1 else f'are {notes} notes'}"
+                         + (f" ({naive} on what a naive importer may not bear)" if naive else ""))
         state = "It loads and flies" if self.ran else "It was read, not run"
-        if n := found[DOES_NOT_LOAD]:
-            state = f"It does not load or run ({n} finding{'s say' if n != 1 else ' says'} why)"
-        return f"{state}; {', '.join(parts) or 'nothing else was found' if n else ', '.join(parts) or 'no findings'}."
+        if loads:
+            state = f"It does not load or run ({loads} say{'s' if loads.startswith('1 ') else ''} why)"
+        return f"{state}; {', '.join(parts) or ('nothing else was found' if loads else 'no findings')}."
 
     def sorted_findings(self) -> list[Finding]:
         """By impact, then errors before warnings before notes; else in the order they were found."""
-        return sorted(self.findings, key=lambda f: (f.severity == NOTE, IMPACTS.index(f.impact),
-                                                    SEVERITIES.index(f.severity)))
+        return sorted(self.findings, key=lambda f: (f.severity == NOTE, f.severity == NOTE and f.group == NAIVE,
+                                                    IMPACTS.index(f.impact), SEVERITIES.index(f.severity)))
 
     def _repr_html_(self) -> str:
         """The findings and what was not tested, as a notebook shows them; texts from the FMU are escaped."""
@@ -143,6 +148,13 @@ class Report:
         sentence = f"<p>{html_text(self.verdict)}</p>"
         tables = f"{findings if self.findings else ''}{untested if self.not_tested else ''}"
         return f"<p><b>{verdict}</b></p>{sentence}{tables}"
+
+
+def amount(findings: list[Finding]) -> str:
+    """How many findings there are, in words: a rule counts once, wherever it is broken; empty for none."""
+    rules = len({f.rule for f in findings})
+    places = f" (in {len(findings)} places)" if len(findings) > rules else ""
+    return f"{rules} finding{'s' * (rules != 1)}{places}" if rules else ""
 
 
 def to_dict(report: Report) -> dict[str, Any]:
@@ -169,20 +181,20 @@ def counted(report: Report) -> str:
     return ", ".join(f"{report.count(s)} {s}{'' if report.count(s) == 1 else 's'}" for s in SEVERITIES)
 
 
-def findings_table(report: Report, shown: list[Finding] | None = None, most: int = MOST_ROWS) -> Table:
-    """The findings, or `shown` of them, as a table for a terminal (`rich.print` it): of one rule the first `most`."""
+def findings_table(report: Report) -> Table:
+    """The findings as a table for a terminal (`rich.print` it): of one rule and severity the first MOST_ROWS."""
     table = Table(title=Text(f"{report.fmu.name}: {counted(report)}"), title_justify="left", show_lines=False)
     for heading in HEADINGS:
         table.add_column(heading, overflow="fold", no_wrap=heading in ("severity", "section"))
     seen: Counter[tuple[str, str]] = Counter()
-    for f in report.sorted_findings() if shown is None else shown:
+    for f in report.sorted_findings():
         seen[f.severity, f.rule] += 1
-        if seen[f.severity, f.rule] <= most:
+        if seen[f.severity, f.rule] <= MOST_ROWS:
             severity = f"[{COLOURS[f.severity]}]{f.severity}[/]"
             table.add_row(f.impact, severity, f.rule, f.section, *map(Text, (f.variable, f.found, f.expected)))
     for (severity, rule), number in seen.items():
-        if number > most:
-            table.add_row("", severity, rule, "", f"{number - most} more", "`ahv check --json` lists them", "")
+        if number > MOST_ROWS:
+            table.add_row("", severity, rule, "", f"{number - MOST_ROWS} more", "`ahv check --json` lists them", "")
     return table
 
 

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from .instance import Instance
 
 PREFIX, TOKEN, PLATFORM, STATE, COUNTS_VALUES = "fmi2", "guid", fmpy.platform, "FMUstate", False
+DESERIALIZE = "DeSerialize"
 TYPES = {"Real": ("Real", REAL), "Integer": ("Integer", WHOLE), "Enumeration": ("Integer", WHOLE),
          "Boolean": ("Boolean", WHOLE), "String": ("String", TEXT)}
 LAST_SUCCESSFUL_TIME, TERMINATED = 2, 3  # fmi2StatusKind

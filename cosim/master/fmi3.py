@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 
 PREFIX, TOKEN, PLATFORM, STATE = "fmi3", "instantiationToken", fmpy.platform_tuple, "FMUState"
 COUNTS_VALUES = True  # fmi3Get... and fmi3Set... are told the number of values beside that of the references
+DESERIALIZE = "Deserialize"
 TYPES = {"Float64": ("Float64", REAL), "Float32": ("Float32", FLOAT), "Int8": ("Int8", INT8), "UInt8": ("UInt8", UINT8),
          "Int16": ("Int16", INT16), "UInt16": ("UInt16", UINT16), "Int32": ("Int32", WHOLE),
          "UInt32": ("UInt32", UINT32), "Int64": ("Int64", INT64), "UInt64": ("UInt64", UINT64),

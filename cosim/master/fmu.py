@@ -70,8 +70,9 @@ def text(value: str, name: str) -> str:
 def limits(version: str, kind: str) -> tuple[float, float]:
     """The least and the greatest value of a number of this type in this version of FMI."""
     dtype: Any = DTYPES[standard(version).TYPES[kind][1]]
-    known: Any = np.iinfo(dtype) if np.issubdtype(dtype, np.integer) else np.finfo(dtype)
-    return known.min, known.max
+    if np.issubdtype(dtype, np.floating):
+        return float(np.finfo(dtype).min), float(np.finfo(dtype).max)
+    return int(np.iinfo(dtype).min), int(np.iinfo(dtype).max)
 
 
 def unflyable(description: Description) -> str:
@@ -236,7 +237,7 @@ class FmuFile:
                 raise UsageError(f"{full} = {value} is not allowed: it must be between {least:g} and {most:g}.")
             return size
         whole = value if isinstance(value, int) else int(size)
-        if size != whole:
+        if not isinstance(value, int) and size != whole:
             raise UsageError(f"{full} = {value} is not allowed: it must be a whole number.")
         if not least <= whole <= most:
             raise UsageError(f"{full} = {value} is not allowed: it must be between {least} and {most}.")

@@ -221,6 +221,46 @@ class Instance:
         """Free the state whose pointer is at the address `place`."""
         self.call(f"{self.standard.PREFIX}Free{self.standard.STATE}", ADDRESS(place))
 
+    def saved(self) -> bytes:
+        """The whole state of the FMU, to be given to `restore` of another instance of the same FMU.
+
+        Raises RunError if the FMU refuses, or does not claim canSerializeFMUstate.
+        """
+        place, size = self.place_of_state(), SIZE()
+        self.state_call("Get", place)
+        try:
+            self.state_call("Serialized", ctypes.c_void_p.from_address(place.value or 0), address_of(size), end="Size")
+            found = ctypes.create_string_buffer(size.value)
+            self.state_call("Serialize", ctypes.c_void_p.from_address(place.value or 0), address_of(found), size)
+        finally:
+            self.state_call("Free", place)
+        return found.raw
+
+    def restore(self, state: bytes) -> None:
+        """Be in a state that `saved` has given.
+
+        Raises RunError if the FMU refuses, or does not claim canSerializeFMUstate.
+        """
+        place, given = self.place_of_state(), ctypes.create_string_buffer(state, len(state))
+        self.state_call(self.standard.DESERIALIZE, address_of(given), SIZE(len(state)), place)
+        try:
+            self.state_call("Set", ctypes.c_void_p.from_address(place.value or 0))
+        finally:
+            self.state_call("Free", place)
+
+    def place_of_state(self) -> ctypes.c_void_p:
+        """Where the pointer to a state is to be put. Raises RunError if states cannot be serialised."""
+        if not self.claims("canSerializeFMUstate"):
+            raise RunError(f"{self.label} cannot save its state: it does not claim can"
+                           f"Serialize{self.standard.STATE}.")
+        self.state = ctypes.c_void_p()
+        return address_of(self.state)
+
+    def state_call(self, verb: str, *arguments: Any, end: str = "") -> None:
+        """Make a call about states, such as fmi2GetFMUstate."""
+        call = f"{self.standard.PREFIX}{verb}{self.standard.STATE}{end}"
+        self.check(self.call(call, *arguments), call)
+
     def close(self) -> None:
         """Terminate where the standard allows it, and free; after Fatal no call is allowed any more."""
         prefix = self.standard.PREFIX
@@ -239,6 +279,11 @@ class Instance:
         if self.open and self.only_one:
             ONLY_ONE.pop(self.token)
         self.open = False
+
+
+def address_of(value: Any) -> ctypes.c_void_p:
+    """Where a ctypes value is."""
+    return ctypes.c_void_p(ctypes.addressof(value))
 
 
 def shown(suffix: str, values: list[Any], types: list[str]) -> list[Any]:

@@ -153,17 +153,18 @@ def in_event_mode(groups: Array, components: Array, events: Array, g: int, time:
         update = place + 8 * UPDATED
         status = np.int64(call_7(components[g, UPDATE], instance, update, update + 1, update + 2, update + 3,
                                  update + 4, place + 8 * NEXT))
-        if status == 0 or status == 1:
-            if flags[g, 8 * UPDATED + END_BYTE] != 0:
-                flags[g, 8 * FLAGS + END_BYTE] = 1
-                reached[g, REACHED] = time
-                return np.int64(DISCARD)
-            if flags[g, 8 * UPDATED] == 0:
-                events[g, CALLED] = LEAVING
-                status = np.int64(call_1(components[g, ENTER_STEPS], instance))
-                if status == 0 or status == 1:
-                    events[g, CALLED] = IN_STEP
-                return status
+        if status != 0 and status != 1:
+            return status
+        if flags[g, 8 * UPDATED + END_BYTE] != 0:
+            flags[g, 8 * FLAGS + END_BYTE] = 1
+            reached[g, REACHED] = time
+            return np.int64(DISCARD)
+        if flags[g, 8 * UPDATED] == 0:
+            events[g, CALLED] = LEAVING
+            status = np.int64(call_1(components[g, ENTER_STEPS], instance))
+            if status == 0 or status == 1:
+                events[g, CALLED] = IN_STEP
+            return status
     return np.int64(RESTLESS)
 
 
@@ -294,8 +295,8 @@ def kernel(ops: Array, groups: Array, components: Array, where: Array, factor: A
             elif code == RESTORE:
                 status = np.int64(call_2(components[u, SET_STATE], components[u, INSTANCE], states[g]))
                 events[u, CHANGED] = offers[g]  # the FMU has the inputs of that time
-            elif code == OFFER and (groups[u, KIND] == TEXT
-                                    or hand_out(groups, g, where, factor, offset, buffers, signals, exact)):
+            elif groups[u, KIND] == TEXT or hand_out(groups, g, where, factor, offset, buffers, signals, exact):
+                # OFFER
                 events[groups[u, OWNER], CHANGED] = 1
             if status != 0 and status != 1:
                 return status

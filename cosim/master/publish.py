@@ -42,8 +42,8 @@ KINDS = {
     "simulate": Kind("a simulation", "run.json", "system", ("signals.parquet", "signals.csv")),
     "compare": Kind("a comparison", "compare.json", "controllers", ("compare_*.png",)),
     "campaign": Kind("a campaign", "campaign.json", "dispersions", (
-        "campaign.yaml", "parts", "runs.parquet", "signals.parquet", "errors.parquet", "report.html", "report.json",
-        "figures")),
+        "campaign.yaml", "parts", "receipt.json", "runs.parquet", "signals.parquet", "errors.parquet", "report.html",
+        "report.json", "figures")),
     "tune": Kind("a tuning", "tune.json", "budget", ()),
 }
 
@@ -63,13 +63,15 @@ def publish(folder: Path, kind: str, record: dict[str, Any], must: Fill, extras:
     folder, and the former ones stay; without room there, `less` writes as much as fits. Signals that ask for an end
     wait until all is in place; extras that have not begun are left out.
 
-    `rows` is the file that `must` reads, if it does. It stays where this fails, so there is nothing to fall back to,
-    and a signal ends the writing.
+    `rows` is the file that `must` reads, if it does. It goes when all is in place. Where this fails it stays, so there
+    is nothing to fall back to, and a signal ends the writing.
     """
     def put(place: Path, fill: Fill, **more: str) -> str:
         left_out = stage(place, kind, {**record, **more}, fill, extras, signals)
         with held():
             move(place, kind)
+            if rows:
+                forget(rows.parent.parent)
         return left_out
 
     with ExitStack() as stack:

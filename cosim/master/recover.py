@@ -10,7 +10,7 @@ import numpy as np
 from ..errors import RunError, UsageError
 from .flight import Flight, take_rows
 from .folder import claimed, expanded
-from .publish import OWN, REQUEST, ROWS, forget, read
+from .publish import OWN, REQUEST, ROWS, read
 from .recording import Thinned, batches
 from .whole_file import whole
 from .wiring import Signal
@@ -67,7 +67,7 @@ def recovered(folder: Path) -> tuple[Flight, dict[str, Any]] | None:
 def recover(left: Path, out: Path | None, kind: str, keep: Callable[[Path, Flight, dict[str, Any], Path], Result]
             ) -> Result:
     """What `keep` makes, in `out` or there, of the rows that a killed flight left in the folder `left`; it is given the
-    claimed folder, the flight, what was asked for, and the file of the rows, which is removed afterwards.
+    claimed folder, the flight, what was asked for, and the file of the rows, which stays if they cannot be written.
 
     Raises UsageError if there are no such rows, RunError if none is complete or there is no room.
     """
@@ -77,6 +77,4 @@ def recover(left: Path, out: Path | None, kind: str, keep: Callable[[Path, Fligh
         if (found := recovered(left)) is None:
             raise UsageError(f"{left} has no rows of a flight that was killed.")
         flight, said = found
-        done = keep(folder, flight, said, left / OWN / ROWS)
-        forget(left)
-        return done
+        return keep(folder, flight, said, left / OWN / ROWS)

@@ -13,6 +13,7 @@ class Standard(Protocol):
     TOKEN: str                        # the attribute by which an FMU is known
     PLATFORM: str                     # this machine's folder of binaries/
     STATE: str                        # what Get..., Set... and Free... call a state
+    DESERIALIZE: str                  # what the call is named that reads one from bytes
     COUNTS_VALUES: bool               # whether Get... and Set... are told the number of values
     TYPES: dict[str, tuple[str, int]]  # type of a variable -> what Get... and Set... call it, kind of group (`program`)
 

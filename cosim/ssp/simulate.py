@@ -30,8 +30,6 @@ def simulate(path: Path, step: float | None, stop: float | None, algorithm: str,
     with load_ssp(path) as found:
         end = found.stop if stop is None else stop
         size = (found.step or DEFAULT_STEP) if step is None else step
-        if found.start != 0:
-            raise UsageError(f"{path} starts at t = {found.start:g} s; a start other than 0 is not supported.")
         if end is None:
             raise UsageError(f"{path} does not say when to stop: give --stop.")
         if step is None and found.step is None:

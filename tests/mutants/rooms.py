@@ -1,6 +1,8 @@
 """Which files are mutated, and which tests must notice: the table of the rooms."""
 from fnmatch import fnmatch
 
+# Campaigns without what costs more than it notices here: other processes, kills, a second and a third campaign.
+INSIDE = "system/campaign_inside -k not kill and not command and not division and not too_long"
 # A room: pairs of a pattern of files and its tests, in stages, of which the first that fails ends the trial. The
 # quick tests come first. The first pattern that fits a file counts; None: the file is not mutated (what it draws or
 # prints is looked at by people, or it is run on foreign machines only).
@@ -42,6 +44,7 @@ ROOMS: dict[str, list[tuple[str, list[str] | None]]] = {
         ("cosim/master/plot.py", None),
         ("cosim/master/unpack.py", ["conformance/check/test_check_archive", "system/test_ssp_bad_files"]),
         ("cosim/master/info.py", ["system/test_python_info"]),
+        ("cosim/master/parameter_set.py", ["unit/test_quantities system/test_ssp_reading"]),
         ("cosim/master/loop_compiled.py", ["system/test_master_algorithms", "system/test_master_loops"]),
         ("cosim/master/[wdq]*.py", ["unit/test_master_order unit/test_dependencies unit/test_quantities",
                                     "system/test_master_wiring", "system/test_master_answers",
@@ -62,11 +65,11 @@ ROOMS: dict[str, list[tuple[str, list[str] | None]]] = {
         ("cosim/campaign/charts.py", ["unit/test_campaign_charts"]),
         ("cosim/campaign/[es]*.py", ["unit/test_campaign_statistics unit/test_campaign_sampling -k not covers",
                                      "system/test_campaign_file unit/test_campaign_summary",
-                                     "unit/test_campaign_nominal", "system/test_campaign -k not kill"]),
-        ("cosim/campaign/*.py", ["unit/test_campaign_criteria unit/test_campaign_summary unit/test_campaign_loading",
-                                 "system/test_campaign_file unit/test_campaign_nominal",
-                                 "system/test_campaign_worker system/test_campaign_fatal",
-                                 "system/test_campaign -k not kill"]),
+                                     "unit/test_campaign_nominal", INSIDE]),
+        ("cosim/campaign/worker.py", ["unit/test_campaign_loading", "system/test_campaign_worker",
+                                      "system/test_campaign_fatal", INSIDE]),
+        ("cosim/campaign/*.py", ["unit/test_campaign_criteria unit/test_campaign_summary",
+                                 "system/test_campaign_file unit/test_campaign_nominal", INSIDE]),
     ],
 }
 # The FMUs that a room's tests are tried with, for Linux only, which saves most of the building; None: all of ours. A

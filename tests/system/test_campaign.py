@@ -11,32 +11,15 @@ from pathlib import Path
 
 import pyarrow.parquet as pq
 import pytest
-import yaml
+from campaigns import TABLES, tables, written
 from places import AHV
 from test_cases import ahv
 
-from cosim.campaign import engine
+from cosim.campaign import cluster, engine
 from cosim.campaign.plan import load
+from cosim.campaign.resume import prepare
 from cosim.campaign.store import Store
 from cosim.campaign.worker import JOBS, fly_batch, requests
-
-TABLES = ("runs.parquet", "signals.parquet", "errors.parquet")
-FILE = {
-    "name": "small", "scenario": "case1", "controllers": ["neural", "backstepping"], "stop": 10, "runs": 24, "seed": 3,
-    "sampling": "sobol", "runs_per_task": 2,
-    "dispersions": {
-        "plant.mass": {"distribution": "normal", "mean": 300, "std": 10},
-        "plant.CM_alpha": {"distribution": "uniform", "low": 0.5, "high": 1.5, "relative": True},
-        "scenario.scale_lift": {"distribution": "sinusoid", "amplitude": 0.4, "period": 40}},
-    "correlations": [{"draws": ["plant.mass", "plant.CM_alpha"], "coefficient": 0.5}],
-    "success": {"altitude": "altitude_error_ft.max_abs < 20"}, "signals": {"share": 0.2, "failures": True},
-}
-
-
-def written(folder, **changes):
-    folder.mkdir(exist_ok=True)
-    (folder / "campaign.yaml").write_text(yaml.dump({**FILE, **changes}, sort_keys=False))
-    return folder / "campaign.yaml"
 
 
 def fly(file, out, *words, status=0):
@@ -45,10 +28,6 @@ def fly(file, out, *words, status=0):
 
 def rows(out):
     return pq.read_table(out / "runs.parquet").to_pylist()
-
-
-def tables(out):
-    return [(out / name).read_bytes() for name in TABLES]
 
 
 @pytest.fixture(scope="module")
@@ -219,7 +198,7 @@ def children(pid):
 
 
 def parts(out):
-    return len(list((out / "parts").glob("runs-*"))) if (out / "parts").exists() else 0
+    return len(list((out / "parts").glob("receipt-*"))) if (out / "parts").exists() else 0
 
 
 def begun(file, out, *words):
@@ -236,8 +215,8 @@ def begun(file, out, *words):
 def clusters(tmp_path):
     made = []
     yield lambda: made.append(Cluster(tmp_path / f"cluster{len(made)}")) or made[-1]
-    for cluster in made:
-        cluster.stop()
+    for one in made:
+        one.stop()
 
 
 def test_a_killed_worker_then_scheduler_then_client_leave_the_same_tables(clusters, tmp_path):
@@ -272,8 +251,9 @@ def test_a_run_that_kills_its_worker_is_a_row_and_costs_no_other(tmp_path, monke
     plan = load(written(tmp_path, runs=12, runs_per_task=4, controllers=["neural"], stop=1))
     monkeypatch.setattr(engine, "fly_batch", deadly)
     store = Store(tmp_path / "out", plan)
-    store.prepare(False, "")
-    with engine.connected(None, 2) as client:
+    store.folder.mkdir()
+    prepare(store, False, "")
+    with cluster.local(store.work, 2, False) as client:
         engine.send(client, plan)
         engine.Engine(client, plan, store, lambda more, good: None).run()
     store.finish()

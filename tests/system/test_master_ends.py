@@ -81,6 +81,21 @@ def test_where_the_others_cannot_follow_the_last_row_is_a_communication_point(tm
     assert flight.time[-1] == pytest.approx(last, abs=1e-12) and flight.ticks == len(flight.time) - 1
 
 
+def test_the_others_follow_from_where_they_are(tmp_path):
+    """right would refuse a step that begins later than at 0.74 s."""
+    left, right = ending(small.build(tmp_path), 0.745).components
+    refuses = right.with_values({"fault": small.FAULTS.index("discard"), "fault_time": 0.743})
+    flight = here(System((left, refuses), small.pair(left.fmu).connections), "gauss-seidel")
+    assert well_ended(flight, 0.745) and flight.time[-1] == pytest.approx(0.745, abs=1e-12)
+
+
+def test_an_fmu_that_flies_alone_ends_between_two_communication_points(tmp_path):
+    fmu = small.build(tmp_path, any_step=False)
+    alone = System((ending(fmu, 0.745).components[0],))
+    flight = here(alone, "jacobi")
+    assert flight.finished and (flight.ended_at, flight.time[-1]) == pytest.approx((0.745, 0.745), abs=1e-12)
+
+
 @pytest.mark.parametrize("algorithm", [*ALGORITHMS, "gauss-seidel,order=right+left", "variable,tolerance=1e-3"])
 @pytest.mark.parametrize("at", [0.0, 0.74])
 def test_an_fmu_that_ends_where_a_step_begins(tmp_path, algorithm, at):

@@ -142,8 +142,10 @@ def test_info_says_which_variable_is_not_there(native_fmus):
 
 def test_check_says_whether_an_fmu_passes(native_fmus, tmp_path):
     report = cosim.check(str(native_fmus["AhvPlant"]), dynamic=False)
-    assert isinstance(report, cosim.Report) and report.passed and report.findings == []
-    assert "AhvPlant.fmu: passed, 0 errors, 0 warnings, 0 notes" in safe(report)
+    assert isinstance(report, cosim.Report) and report.passed
+    assert {finding.rule.partition(".")[0] for finding in report.findings} <= {"naive"}
+    assert any("AhvPlant.fmu: passed, 0 errors, 0 warnings, " in text for text in safe(report))
+    assert report.verdict in safe(report)
     broken = cosim.check(written(tmp_path / "broken.fmu", "<nothing/>"))
     assert not broken.passed and broken.findings
     assert any("broken.fmu: failed, " in text for text in safe(broken))

@@ -19,6 +19,7 @@ from cosim.errors import RunError, UsageError
 from cosim.master import publish as publishing
 from cosim.master.folder import claimed
 from cosim.master.publish import KINDS, publish
+from cosim.master.system import Component, System
 from cosim.ssp.simulate import simulate
 from cosim.ssp.write import write as write_ssp
 from cosim.vehicle import scenarios
@@ -410,6 +411,7 @@ def test_a_full_disk_ends_a_stream_and_its_rows_are_recovered(work, small_disk, 
     done = run("case1", stop=100, out=folder, isolate=isolate, stream=True)
     assert not done.flight.finished and "No space left on device; rows from t = " in done.flight.message
     assert done.trouble.endswith(f"make room or choose another folder with --out, then `ahv recover {folder}`.")
+    assert recover(folder).trouble == done.trouble  # there is still no room, and nothing is lost by that
     resize(16000)
     kept = recover(folder)
     assert not kept.trouble and 1024 <= pyarrow.parquet.read_table(folder / "signals.parquet").num_rows < 10001
@@ -458,17 +460,23 @@ BAD = ["", ".", "..", "../../esc", "a/b", "/abs", "~", "~root", "-x", ".hidden",
 
 
 @pytest.mark.parametrize("name", BAD)
-def test_bad_names_are_refused_everywhere(work, tmp_path, name):
+def test_bad_names_are_refused_everywhere(tmp_path, name):
     sentence = "name .* is not allowed: it must have 1 to 64 letters"
     with pytest.raises(ValueError, match=sentence):
         Scenario(name=name, stop=1)
     (tmp_path / "x.yaml").write_text(json.dumps({"name": name, "scenario": "hold", "runs": 1, "seed": 1,
                                                  "dispersions": {}, "success": {"a": "1 < 2"}}))
     from cosim.campaign.plan import load
+    from cosim.campaign.spec import Law
 
     with pytest.raises(UsageError, match=rf"x.yaml, line 1: name: the {sentence}"):
         load(tmp_path / "x.yaml")
     if name:
+        with pytest.raises(ValueError, match=sentence):
+            Law(law="neural", name=name)
+        system = System((Component(name.replace(".", "/"), "x.fmu"),))
+        with pytest.raises(UsageError, match=r"The component name .* is not allowed"):
+            write_ssp(tmp_path / "x.ssp", "x", system, 0.1, 1.0)
         with pytest.raises(UsageError, match=f"The controller {sentence}"):
             closed_loop(scenarios.load("hold"), f"{name}=AhvController.fmu")
 

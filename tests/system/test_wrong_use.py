@@ -7,13 +7,15 @@ import subprocess
 import pytest
 import wrong_tried
 import wrong_use
+import wrong_words
+import yaml
 from altered import redescribed
 from places import AHV
 
 from cosim.cli import app, unforeseen
 from cosim.vehicle.closed_loop import fmu_path
 
-FEW = 8
+FEW = 5
 
 
 @pytest.mark.parametrize("kind", wrong_use.KINDS)
@@ -61,7 +63,8 @@ def test_yaml_without_bounds_is_refused_at_once(text, sentence, tmp_path):
         "/proc/1/mem"],
     ["run", "hold", "--algorithm", "variable,tolerance=1e-300"],
     ["run", "hold", "--real-time", "1e-300", "--step", "0"],
-    ["ssp", "hold", "--out", ""], ["ssp", "hold", "--out", "/"], ["tune", "neural", "--seed", "9" * 30],
+    ["ssp", "hold", "--out", ""], ["ssp", "hold", "--out", "/"], ["container", "hold", "--out", "/"],
+    ["tune", "neural", "--seed", "9" * 30],
     ["info", "/proc/self/mem"],
     ["linearize", "--plant", "instrumented", "--step", "1e-12"], ["tune", "neural", "--sigma", "1e308"],
     ["run", "hold", "--step", "1e-320"], ["run", "hold", "--time-limit", "0"], ["tune", "neural", "--gain", "nobody"],
@@ -89,6 +92,26 @@ def test_a_description_that_is_odd(swap, command, tmp_path, native_fmus):
     words = [*command, str(odd), *(["--out", str(tmp_path)] if command[0] == "run" else [])]
     status, seconds, said = wrong_tried.tried(wrong_use.Bad("", lambda: wrong_use.ended(words), ""))
     assert wrong_tried.fault(status, seconds, said) == ""
+
+
+@pytest.mark.parametrize("name, distribution, sentence", [
+    ("plant.mass", {"distribution": "normal", "mean": -1e308, "std": 1e300, "low": 301.0, "high": 401.0},
+     "would not be finite numbers"),
+    ("plant.mass", {"distribution": "normal", "mean": 300.0, "std": 1e308}, "would not be finite numbers"),
+    ("plant.mass", {"distribution": "log-normal", "median": 300.0, "sigma": 1000.0}, "would not be finite numbers"),
+    ("plant.beta_1", {"distribution": "uniform", "low": -1e308, "high": 1e308}, "would not be finite numbers"),
+    ("plant.beta_1", {"distribution": "uniform", "low": 1e300, "high": 1e307, "relative": True}, "would not be finite"),
+    ("plant.mass", {"distribution": "choice", "values": [300.0], "weights": [1e309]}, "finite number"),
+    ("plant.mass", {"distribution": "choice", "values": [1.0, 2.0], "weights": [1e308, 1e308]}, "with a finite sum"),
+    ("plant.start_at_trim", {"distribution": "normal", "mean": 0.0, "std": 1.0},
+     "plant.start_at_trim (Boolean) takes the distribution choice or integer, not normal."),
+], ids=str)
+def test_a_distribution_that_cannot_be_is_refused(name, distribution, sentence, tmp_path, native_fmus):
+    file = tmp_path / "own.yaml"
+    data = {**wrong_words.CAMPAIGN, "correlations": [], "dispersions": {name: distribution}}
+    file.write_text(yaml.safe_dump(data))
+    status, _, said = wrong_tried.tried(wrong_use.Bad("", lambda: wrong_use.planned(file), ""))
+    assert status == 2 and f"dispersions.{name}" in said and sentence in said
 
 
 def test_what_nobody_foresaw_is_one_sentence_and_a_file(monkeypatch, tmp_path, capsys):

@@ -44,7 +44,7 @@ class Bench:
         self.job = job
         self.answers = answers
         self.mark = mark
-        self.is_over = False  # nothing more can be tested
+        self.is_over = False  # nothing more can be tested in this process
 
     @cached_property
     def library(self) -> Library:

@@ -227,6 +227,18 @@ def min_max(fmu: Fmu) -> Iterator[Fault]:
             yield Fault(name, f"min {low:g} above max {high:g}", "min <= max")
 
 
+@static("range.within-type")
+def within_type(fmu: Fmu) -> Iterator[Fault]:
+    for v in fmu.description.variables:
+        if v.declared is None:
+            continue
+        low, high = number(v.declared.attributes.get("min")), number(v.declared.attributes.get("max"))
+        wider = (low is not None and (v.min or low) < low) or (high is not None and (v.max or high) > high)
+        if wider and {"min", "max"} & v.own.keys():
+            yield Fault(v.name, f"{v.resolved('min')} to {v.resolved('max')}, wider than type '{v.declared.name}'",
+                        "a range within the type's")
+
+
 @static("range.nominal")
 def nominal(fmu: Fmu) -> Iterator[Fault]:
     for name, item in ranged(fmu):

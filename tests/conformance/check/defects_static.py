@@ -101,6 +101,7 @@ DEFECTS: tuple[Defect, ...] = (
     _before("type.unused", "an unused type", _LAST_TYPE, '<SimpleType name="T"><Real/></SimpleType>'),
     _edit("range.min-max", "min above max", "u", 'min="-10" max="10"', 'min="10" max="-10"'),
     _swap("range.min-max", "min above max in a type", 'min="-1000" max="1000"', 'min="1000" max="-1000"'),
+    _edit("range.within-type", "a range wider than the type's", "x", 'start="1"', 'start="1" max="2000"'),
     _edit("range.nominal", "nominal 0", "y", 'nominal="1"', 'nominal="0"'),
     _edit("range.nominal", "a negative nominal", "y", 'nominal="1"', 'nominal="-1"'),
     _swap("range.nominal", "nominal 0 in a type", 'nominal="1" min', 'nominal="0" min'),

@@ -92,12 +92,13 @@ def by_rule(found: dict[Case, Found]) -> list[str]:
     for case, f in found.items():
         groups[case.rule].append(f)
     lines = [
-        "| rule | section | severity | says | defects | fmpy | fmutool | ours |",
-        "|---|---|---|---|---|---|---|---|",
+        "| rule | section | severity | impact | says | defects | fmpy | fmutool | ours |",
+        "|---|---|---|---|---|---|---|---|---|",
     ]
     for name, rule in sorted(RULES.items(), key=lambda item: (item[1].sections["2.0"], item[0])):
         counts = [str(len(groups[name])), *_sums(groups[name])]
-        lines.append(f"| {name} | {rule.sections['2.0']} | {rule.severity} | {rule.says} | {' | '.join(counts)} |")
+        words = f"{rule.sections['2.0']} | {rule.severity} | {rule.impact} | {rule.says}"
+        lines.append(f"| {name} | {words} | {' | '.join(counts)} |")
     return lines
 
 

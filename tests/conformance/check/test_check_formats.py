@@ -1,4 +1,5 @@
 """What `ahv check` prints: verdict, lines, JUnit, SARIF, GitHub; what makes it fail; how a rule is explained."""
+import io
 import json
 import re
 import subprocess
@@ -10,6 +11,7 @@ from check_fixture import library, members, swapped, write
 from lxml import etree
 from places import AHV
 
+from cosim.cli.check import show
 from cosim.conformance import check, formats
 from cosim.conformance.report import FAILS, Report
 from cosim.conformance.rule import IMPACTS, RULES
@@ -41,7 +43,8 @@ def test_findings_are_sorted_by_impact_and_notes_come_last(report: Report) -> No
     assert [f.rule for f in report.sorted_findings()] == [
         "dynamic.start-value", "structure.unique", "xml.encoding", "header.date", "naive.needs-inputs"]
     assert report.verdict == ("It loads and flies; 1 finding can give wrong results, other tools may refuse it for "
-                              "1 finding, 2 findings are formal, there is 1 note.")
+                              "1 finding, 2 findings are formal, there is 1 note (1 on what a "
+                              "naive importer may not bear).")
 
 
 def test_verdict_of_what_does_not_load(report: Report) -> None:
@@ -73,6 +76,27 @@ def test_one_finding_is_one_line(report: Report) -> None:
     assert [line.split()[2] for line in brief[1:4]] == ["dynamic.start-value", "structure.unique", "xml.encoding"]
     assert brief[4:] == ["Plant.fmu: --all shows 2 more findings and what was not tested."]
     assert "header.date" in " ".join(formats.lines(report, "warning"))
+
+
+def test_a_terminal_gets_a_page_that_leaves_words_whole(report: Report, monkeypatch: pytest.MonkeyPatch) -> None:
+    class Terminal(io.StringIO):
+        def isatty(self) -> bool:
+            return True
+
+    def shown(one: Report, everything: bool) -> str:
+        monkeypatch.setattr("sys.stdout", terminal := Terminal())
+        show(one, "error", everything)
+        return terminal.getvalue()
+
+    monkeypatch.setenv("COLUMNS", "60")
+    brief, full = shown(report, False), shown(report, True)
+    assert " ".join(brief.split()).startswith(f"Plant.fmu: {report.verdict} wrong results error: dynamic.start-value")
+    assert "header.date" not in brief and "--explain dynamic.start-value" in brief
+    assert [part.splitlines()[0] for part in full.strip().split("\n\n")][1:6] == [
+        "wrong results", "other tools refuse it", "formal", "Would a naive importer manage?",
+        "not tested (it ran in the sandbox: none)"]
+    assert RULES["dynamic.start-value"].says in " ".join(full.split())
+    assert shown(Report(Path("a.fmu"), sandbox="none"), True) == "a.fmu: It loads and flies; no findings.\n\n"
 
 
 def test_junit_is_valid_and_tells_failures_and_skips(report: Report) -> None:
@@ -117,7 +141,7 @@ def test_a_log_has_no_table_and_ends_with_the_status(tmp_path: Path) -> None:
     file = write(tmp_path / "Fixture.fmu", members())
     done = ahv_check("--no-dynamic", file)
     assert done.returncode == 0 and done.stdout.splitlines() == [
-        "Fixture.fmu: It was read, not run; there are 2 notes.",
+        "Fixture.fmu: It was read, not run; there are 2 notes (2 on what a naive importer may not bear).",
         "Fixture.fmu: not tested: everything dynamic: not asked for",
         "Fixture.fmu: --all shows 2 more findings and what was not tested."]
     done = ahv_check("--no-dynamic", "--fail-on", "any", file)

@@ -29,7 +29,7 @@ def test_json_has_the_documented_keys(tmp_path: Path) -> None:
         "experiment.step", "header.date", "naive.non-real-output", "naive.needs-inputs"]
     assert data["impacts"] == {"does not load": 0, "wrong results": 1, "other tools refuse it": 1, "formal": 2}
     assert data["verdict"] == ("It was read, not run; 1 finding can give wrong results, 1 finding is formal, "
-                               "there are 2 notes.")
+                               "there are 2 notes (2 on what a naive importer may not bear).")
     assert set(data["findings"][0]) == {"rule", "section", "severity", "variable", "found", "expected", "impact",
                                            "says", "group", "known"}
     assert data["not_tested"] == [{"what": "everything dynamic", "why": "not asked for"}]
