@@ -35,6 +35,7 @@ FATAL_RULES = {"dynamic.load": "the FMU cannot be loaded", "dynamic.hang": "the 
                "dynamic.limits": "the FMU passed a limit"}
 ONCE = ("dynamic.fatal", "dynamic.log-refusal")  # an FMU that does so does so for any call
 IMPLIED = {"dynamic.nonfinite-reset": "dynamic.reset-replay"}  # what says nothing more where another is broken
+LATE = ("memory", "memory-steps")  # what takes many lives
 FLAGS = ("canHandleVariableCommunicationStepSize", "canInterpolateInputs", "canRunAsynchronuously",
          "needsExecutionTool", "canBeInstantiatedOnlyOncePerProcess", "canGetAndSetFMUstate", "canSerializeFMUstate",
          "providesDirectionalDerivative")
@@ -136,7 +137,7 @@ def make_job(fmu: Fmu, library: Path, time_limit: float, cycles: int) -> Job:
         categories=[c.get("name", "") for c in fmu.description.root.iterfind("LogCategories/Category")],
         variables=[known_variable(v, v.causality == "output" or v.index in fmu.description.states)
                    for v in fmu.description.variables if v.type and v.reference is not None],
-        probes=sorted(PROBES, key=lambda name: not PROBES[name].legal),  # wrong use comes last
+        probes=sorted(PROBES, key=lambda name: (not PROBES[name].legal, name in LATE)),  # wrong use comes last
         steps=steps,
         cycles=cycles,
         patience=min(time_limit / 2, PATIENCE_S),
