@@ -3,7 +3,10 @@ BIN := .venv/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check
 UV := $(BIN)/python -m uv pip
 
-.PHONY: setup build demo test lint slow mutants foreign-hosts docs lock oldest clean
+# Importers of others whose versions do not fit beside ours: an environment for each list.
+PEERS := $(patsubst requirements/peers/%.txt,.venv-peers/%/installed,$(wildcard requirements/peers/*.txt))
+
+.PHONY: setup build demo test lint slow mutants foreign-hosts peers docs lock oldest clean
 
 # Everything: to build the native FMUs, to test and to develop.
 setup: .venv/everything
@@ -38,10 +41,10 @@ demo: .venv/flying
 	$(BIN)/ahv run case1 --flavour python
 	@echo "Flying an uncertain vehicle with two laws. One of them loses it."
 	$(BIN)/ahv compare docs/scenarios/uncertain.yaml --controller neural --controller resilient --flavour python || test $$? -eq 1
-	@echo "The figures are in results/case1/figures and results/compare_uncertain. 'make build' adds the native FMUs, which need no Python."
+	@echo "The figures are in results/run/case1/figures and results/compare/uncertain. 'make build' adds the native FMUs, which need no Python."
 
 test: build
-	$(BIN)/python -m pytest -n 2 --dist loadfile -m 'not slow'
+	$(BIN)/python -m pytest -n 2 --dist loadfile -m 'not slow and not peers'
 
 lint: setup
 	$(BIN)/ruff check .
@@ -60,6 +63,17 @@ mutants: build
 foreign-hosts: build
 	$(BIN)/python -m pytest -m slow tests/conformance/test_native_hosts.py
 
+# Our FMUs in the importers of others (about 2.5 GB more on disk). Writes docs/importers.md.
+peers: build $(PEERS)
+	$(BIN)/python benchmarks/importers.py
+	$(BIN)/python -m pytest -m peers tests/system/test_importers.py
+
+.venv-peers/%/installed: requirements/peers/%.txt | .venv/everything
+	@echo "Installing $* into .venv-peers/$*."
+	$(PYTHON) -m venv --clear .venv-peers/$*
+	$(UV) install --quiet --python .venv-peers/$*/bin/python --requirement $<
+	@touch $@
+
 # Renew the lists of pinned versions. Flying needs no CMake, which fmpy names for compiling FMUs.
 lock: setup
 	$(UV) compile --quiet --upgrade --universal --no-header --no-annotate --all-extras pyproject.toml -o requirements/all.txt
@@ -72,11 +86,11 @@ oldest: setup
 	$(PYTHON) -m venv .venv-oldest
 	$(UV) install --quiet --python .venv-oldest/bin/python --resolution lowest-direct --editable '.[all]'
 	.venv-oldest/bin/ahv build
-	.venv-oldest/bin/python -m pytest -q -m 'not slow' tests/unit tests/conformance tests/system/test_cases.py
+	.venv-oldest/bin/python -m pytest -q -m 'not slow and not peers' tests/unit tests/conformance tests/system/test_cases.py
 
 # The documentation as a site, in site/; open site/index.html.
 docs: setup
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet --strict
 
 clean:
-	rm -rf .venv .venv-oldest results fmus/dist site
+	rm -rf .venv .venv-oldest .venv-peers results fmus/dist site

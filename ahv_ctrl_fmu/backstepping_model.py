@@ -25,13 +25,13 @@ VARIABLES = [
     *PORTS,
     ("theta_command", "output", "rad", None, None, None, 0.01, "virtual control theta_d"),
     ("Q_command", "output", "rad/s", None, None, None, 0.01, "virtual control Q_d"),
-    ("disturbance_V", "output", "ft/s2", None, None, None, 1.0, "estimated disturbance of the velocity"),
+    ("disturbance_V", "output", "ft/s^2", None, None, None, 1.0, "estimated disturbance of the velocity"),
     ("disturbance_gamma", "output", "rad/s", None, None, None, 0.01, "estimated disturbance of the flight-path angle"),
-    ("disturbance_Q", "output", "rad/s2", None, None, None, 0.01, "estimated disturbance of the pitch rate"),
+    ("disturbance_Q", "output", "rad/s^2", None, None, None, 0.01, "estimated disturbance of the pitch rate"),
 
     *((name, "parameter", unit, CALIBRATED[name], low, high, None, text) for name, unit, low, high, text in (
         ("kV1", "1/s", 0.0, None, "velocity error gain"),
-        ("kV2", "1/s2", 0.0, None, "velocity integral gain"),
+        ("kV2", "1/s^2", 0.0, None, "velocity integral gain"),
         ("observer_V", "1/s", 0.0, 1000.0, "bandwidth of the velocity's disturbance observer"),
         ("k_gamma", "1/s", 0.0, None, "altitude error gain (36)"),
         ("k_path", "1/s", 0.0, None, "flight-path angle error gain"),

@@ -66,22 +66,22 @@ PRESETS = {"calibrated": CALIBRATED, "steady": STEADY, "robust": ROBUST, "indepe
 VARIABLES = [
     *PORTS,
     ("gamma_error", "output", "rad", None, None, None, 0.01, "e0 of (43) on the tracked angle"),
-    ("error_function", "output", "rad/s2", None, None, None, 0.01, "estimated error function E^ (48)"),
+    ("error_function", "output", "rad/s^2", None, None, None, 0.01, "estimated error function E^ (48)"),
     ("phi_hat_1", "output", "1/s", None, None, None, 1.0, "adapted parameter of the velocity network (27)"),
     ("phi_hat_2", "output", "1/s", None, None, None, 1.0, "adapted parameter of the altitude network (57)"),
-    ("network_1", "output", "ft/s2", None, None, None, 1.0, "velocity network signal Phi_1 (26)"),
-    ("network_2", "output", "rad/s3", None, None, None, 0.01, "altitude network signal delta_e1 (56)"),
+    ("network_1", "output", "ft/s^2", None, None, None, 1.0, "velocity network signal Phi_1 (26)"),
+    ("network_2", "output", "rad/s^3", None, None, None, 0.01, "altitude network signal delta_e1 (56)"),
 
     *((name, "parameter", unit, CALIBRATED[name], low, high, None, text) for name, unit, low, high, text in (
-        ("kV", "ft/s2", SMALL, None, "velocity control gain kV (19)"),
+        ("kV", "ft/s^2", SMALL, None, "velocity control gain kV (19)"),
         ("kV1", "1/s", 0.0, None, "velocity error gain kV1 (19)"),
-        ("kV2", "1/s2", SMALL, None, "velocity integral gain kV2 (19)"),
-        ("lambda_1", "1/ft2", 0.0, None, "adaptation gain lambda_1 (27)"),
+        ("kV2", "1/s^2", SMALL, None, "velocity integral gain kV2 (19)"),
+        ("lambda_1", "1/ft^2", 0.0, None, "adaptation gain lambda_1 (27)"),
         ("k_gamma", "1/s", 0.0, None, "altitude error gain k_gamma (36)"),
-        ("kh", "1/s3", SMALL, None, "altitude control gain kh (49)"),
+        ("kh", "1/s^3", SMALL, None, "altitude control gain kh (49)"),
         ("kh1", "1/s", SMALL, None, "error function gain kh1 (49)"),
         ("mu", "1/s", SMALL, None, "error polynomial's root mu (43)"),
-        ("lambda_2", "s2/rad2", 0.0, None, "adaptation gain lambda_2 (57)"),
+        ("lambda_2", "s^2/rad^2", 0.0, None, "adaptation gain lambda_2 (57)"),
         ("direction", "1", -1.0, 1.0, "sign of the elevator's effect on the pitch rate; -1 for this vehicle"),
         ("c_theta", "1", -1.0, 1.0, "pitch angle's weight in the tracked angle"),
         ("c_Q", "s", -1.0, 1.0, "pitch rate's weight in the tracked angle"),
@@ -98,8 +98,8 @@ VARIABLES = [
     )),
     *((f"net{k}_{name}_{key}", "parameter", unit, CALIBRATED[f"net{k}_{name}_{key}"], low, None, None,
        f"network {k}: {text} of its input {name}")
-      for k, name, unit in ((1, "V", "ft/s"), (1, "Phi0", "ft/s2"), (2, "gamma", "rad"), (2, "theta", "rad"),
-                            (2, "Q", "rad/s"), (2, "delta0", "rad/s3"))
+      for k, name, unit in ((1, "V", "ft/s"), (1, "Phi0", "ft/s^2"), (2, "gamma", "rad"), (2, "theta", "rad"),
+                            (2, "Q", "rad/s"), (2, "delta0", "rad/s^3"))
       for key, low, text in (("min", None, "first centre"), ("max", None, "last centre"), ("width", SMALL, "width"))),
     ("elevator_damping", "parameter", "1", 0.7, 0.0, 10.0, None, "damping ratio of the structural filter"),
     *PARAMETERS,

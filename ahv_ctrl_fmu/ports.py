@@ -12,8 +12,8 @@ NOMINAL_VEHICLE = SimpleNamespace(**{name: value for name, _, value, _ in COEFFI
 
 # name, causality, unit, start, min, max, nominal, description.
 PORTS = [
-    ("V", "input", "ft/s", 7700.0, None, None, 1000.0, "measured velocity"),
-    ("h", "input", "ft", 85000.0, None, None, 1000.0, "measured altitude"),
+    ("V", "input", "ft/s", 7700.0, 4000.0, 16000.0, 1000.0, "measured velocity"),
+    ("h", "input", "ft", 85000.0, 40000.0, 160000.0, 1000.0, "measured altitude"),
     ("gamma", "input", "rad", 0.0, None, None, 0.01, "measured flight-path angle"),
     ("theta", "input", "rad", 1.6325 * DEG, None, None, 0.01, "measured pitch angle"),
     ("Q", "input", "rad/s", 0.0, None, None, 0.01, "measured pitch rate"),
@@ -27,8 +27,8 @@ PORTS = [
     ("V_error", "output", "ft/s", None, None, None, 1.0, "velocity tracking error, measured minus reference"),
     ("h_error", "output", "ft", None, None, None, 1.0, "altitude tracking error, measured minus reference"),
     ("gamma_command", "output", "rad", None, None, None, 0.01, "flight-path angle command gamma_d (36)"),
-    ("fuel_ratio_saturated", "output", "", None, None, None, None, "fuel ratio at a limit"),
-    ("elevator_saturated", "output", "", None, None, None, None, "elevator at a limit"),
+    ("fuel_ratio_saturated", "output", "1 discrete", None, 0.0, 1.0, 1.0, "1 with the fuel ratio at a limit, else 0"),
+    ("elevator_saturated", "output", "1 discrete", None, 0.0, 1.0, 1.0, "1 with the elevator at a limit, else 0"),
 ]
 
 # Parameters of every law; `theta_trim` and `internal_step` are for those that need them.

@@ -13,7 +13,6 @@ from .vehicle import COEFFICIENTS, STRUCTURES
 NAME = "AhvPlant"
 DESCRIPTION = "Longitudinal dynamics of a flexible air-breathing hypersonic vehicle, equations (1)-(9)"
 
-MODAL = "sqrt(slug.ft)"  # a mass-normalised modal coordinate, per foot of depth
 DEG = pi / 180
 
 # name, causality, unit, start, min, max, nominal, description.
@@ -32,12 +31,12 @@ VARIABLES = [
     ("gamma", "output", "rad", None, -pi / 2, pi / 2, 0.01, "flight-path angle"),
     ("theta", "output", "rad", None, -pi / 2, pi / 2, 0.01, "pitch angle"),
     ("Q", "output", "rad/s", None, None, None, 0.01, "pitch rate"),
-    ("eta1", "output", MODAL, None, None, None, 1.0, "elastic coordinate of mode 1"),
-    ("eta1_dot", "output", MODAL + "/s", None, None, None, 20.0, "rate of eta1"),
-    ("eta2", "output", MODAL, None, None, None, 1.0, "elastic coordinate of mode 2"),
-    ("eta2_dot", "output", MODAL + "/s", None, None, None, 20.0, "rate of eta2"),
+    ("eta1", "output", "1", None, None, None, 1.0, "elastic coordinate, in sqrt(slug ft), of mode 1"),
+    ("eta1_dot", "output", "1/s", None, None, None, 20.0, "rate of eta1, in sqrt(slug ft)/s"),
+    ("eta2", "output", "1", None, None, None, 1.0, "elastic coordinate, in sqrt(slug ft), of mode 2"),
+    ("eta2_dot", "output", "1/s", None, None, None, 20.0, "rate of eta2, in sqrt(slug ft)/s"),
     ("alpha", "output", "rad", None, None, None, 0.01, "angle of attack, theta - gamma"),
-    ("dynamic_pressure", "output", "lbf/ft2", None, None, None, 1000.0, "dynamic pressure"),
+    ("dynamic_pressure", "output", "lbf/ft^2", None, None, None, 1000.0, "dynamic pressure"),
     ("thrust", "output", "lbf/ft", None, None, None, 1000.0, "thrust per foot of depth"),
     ("lift", "output", "lbf/ft", None, None, None, 10000.0, "lift per foot of depth"),
     ("drag", "output", "lbf/ft", None, None, None, 1000.0, "drag per foot of depth"),
@@ -54,10 +53,10 @@ VARIABLES = [
     ("gamma_start", "parameter", "rad", 0.0, -80 * DEG, 80 * DEG, None, "initial flight-path angle, if not at trim"),
     ("theta_start", "parameter", "rad", 0.0, -80 * DEG, 80 * DEG, None, "initial pitch angle, if not at trim"),
     ("Q_start", "parameter", "rad/s", 0.0, -10.0, 10.0, None, "initial pitch rate, if not at trim"),
-    ("eta1_start", "parameter", MODAL, 0.0, -100.0, 100.0, None, "initial eta1, if not at trim"),
-    ("eta1_dot_start", "parameter", MODAL + "/s", 0.0, -1000.0, 1000.0, None, "initial eta1_dot, if not at trim"),
-    ("eta2_start", "parameter", MODAL, 0.0, -100.0, 100.0, None, "initial eta2, if not at trim"),
-    ("eta2_dot_start", "parameter", MODAL + "/s", 0.0, -1000.0, 1000.0, None, "initial eta2_dot, if not at trim"),
+    ("eta1_start", "parameter", "1", 0.0, -100.0, 100.0, None, "initial eta1, if not at trim"),
+    ("eta1_dot_start", "parameter", "1/s", 0.0, -1000.0, 1000.0, None, "initial eta1_dot, if not at trim"),
+    ("eta2_start", "parameter", "1", 0.0, -100.0, 100.0, None, "initial eta2, if not at trim"),
+    ("eta2_dot_start", "parameter", "1/s", 0.0, -1000.0, 1000.0, None, "initial eta2_dot, if not at trim"),
     ("internal_step", "parameter", "s", 0.004, 1e-6, 0.02, None, "longest internal Runge-Kutta step"),
     *((name, "parameter", unit, value, *((1e-3 * value, 1e3 * value) if name in
        ("mass", "pitch_inertia", "reference_area", "chord", "gravity", "air_density_0", "h_scale", "omega_1", "omega_2")

@@ -27,7 +27,7 @@ BOX = {name: tuple(CALIBRATED[f"net2_{name}_{key}"] for key in ("min", "max", "w
 ELEVATOR = 0.0, 0.35, 0.35 * CALIBRATED["net2_delta0_width"] / CALIBRATED["net2_delta0_max"]
 ROWS = [
     ("phi_hat_2", "output", "1/s", None, None, None, 1.0, "adapted parameter of the network (57)"),
-    ("lambda_2", "parameter", "s/rad2", 0.0, 0.0, None, None, "adaptation gain of the network (57)"),
+    ("lambda_2", "parameter", "s/rad^2", 0.0, 0.0, None, None, "adaptation gain of the network (57)"),
 ]
 
 

@@ -33,7 +33,7 @@ ROWS = [
     ("elevator_least", "output", "rad", None, None, None, 0.1, "least elevator that the protection allows"),
     ("fuel_ratio_most", "output", "1", None, None, None, 1.0, "largest fuel ratio that the protection allows"),
     ("alpha_limit", "output", "rad", None, None, None, 0.01, "largest angle of attack that the elevator can hold"),
-    ("protecting", "output", "", None, None, None, None, "the elevator is at the protection's limit"),
+    ("protecting", "output", "1 discrete", None, 0.0, 1.0, 1.0, "1 while the elevator is at the protection's limit"),
     *((name, "parameter", unit, PROTECTION[name], 0.0, high, None, text) for name, unit, high, text in (
         ("protect_k_Q", "1/s", None, "pitch rate gain of the protection"),
         ("protect_k_barrier", "1/s", None, "rate at which the angle of attack may approach its limit"),

@@ -209,6 +209,9 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real step, fmi2Boolean
     if (ends) /* as far as it goes */
         step = r[FAULT_TIME] > time ? r[FAULT_TIME] - time : 0;
 #endif
+#ifdef SHOWS_KEEP /* noSetFMUStatePriorToCurrentPoint, as whole_out */
+    s->i[WHOLE_IN] = keep;
+#endif
     int count = r[SUBSTEPS] < 1 ? 1 : (int)r[SUBSTEPS];
     double h = step / count, du = s->slope;
     for (int k = 0; k < count; k++) {
@@ -228,7 +231,6 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real step, fmi2Boolean
     s->ended = ends;
     return ends ? say(m, fmi2Discard, "told to end") : fmi2OK;
 }
-fmi2Status fmi2CancelStep(fmi2Component c) { return fmi2Error; }
 
 fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Boolean *value)
 {
@@ -277,6 +279,7 @@ fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *state)
         return say(c, fmi2Fatal, "told not to free");
     return fmi2OK;
 }
+#ifndef LEAN /* functions of capabilities that are not claimed */
 fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate s, size_t *n) { return fmi2Error; }
 fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate s, fmi2Byte b[], size_t n) { return fmi2Error; }
 fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte b[], size_t n, fmi2FMUstate *s) { return fmi2Error; }
@@ -287,6 +290,8 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReferenc
 }
 fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t n,
                                         const fmi2Integer order[], fmi2Real value[]) { return fmi2Error; }
+fmi2Status fmi2CancelStep(fmi2Component c) { return fmi2Error; }
 fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind k, fmi2Status *v) { return fmi2Error; }
 fmi2Status fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind k, fmi2Integer *v) { return fmi2Error; }
 fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind k, fmi2String *v) { return fmi2Error; }
+#endif

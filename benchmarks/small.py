@@ -61,14 +61,14 @@ def describe(identifier: str, direct: bool | None, states: bool, interpolates: b
             f'<InitialUnknowns>{unknowns}</InitialUnknowns></ModelStructure></fmiModelDescription>\n')
 
 
-def library(folder: Path, *flags: str) -> Path:
-    """The compiled small.c, once for each content."""
-    source = Path(__file__).with_name("small.c")
-    built = folder / f"small_{hashlib.sha256(source.read_bytes() + repr(flags).encode()).hexdigest()[:12]}.so"
+def library(folder: Path, *flags: str, source: str = "small.c") -> Path:
+    """The compiled small.c or small3.c, once for each content."""
+    code = Path(__file__).with_name(source)
+    built = folder / f"{code.stem}_{hashlib.sha256(code.read_bytes() + repr(flags).encode()).hexdigest()[:12]}.so"
     if not built.exists():
         folder.mkdir(parents=True, exist_ok=True)
         headers = Path(fmpy.__file__).parent / "c-code"
-        cc("-O2", "-shared", "-fPIC", "-w", *flags, f"-I{headers}", source, "-o", built)
+        cc("-O2", "-shared", "-fPIC", "-w", *flags, f"-I{headers}", code, "-o", built)
     return built
 
 

@@ -1,4 +1,5 @@
 """What can go wrong, in two kinds: the user's words, and the run itself; and the word that was probably meant."""
+import signal
 from collections.abc import Iterable
 from difflib import get_close_matches
 
@@ -9,6 +10,14 @@ class UsageError(Exception):
 
 class RunError(Exception):
     """A run that ended early; one sentence that names the FMU, the time and the reason. Exit status 1."""
+
+
+class Interrupted(RunError):
+    """Ctrl-C or another signal, `number`, ended a run; what was computed until then is kept. Exit status 128 + it."""
+
+    def __init__(self, sentence: str, number: int = signal.SIGINT):
+        super().__init__(sentence)
+        self.number = number
 
 
 def nearest(word: str, known: Iterable[str], similarity: float = 0.6) -> str | None:

@@ -2,8 +2,10 @@
 import re
 from collections.abc import Sequence
 from contextlib import nullcontext
+from math import isfinite
 from numbers import Real
 from os import PathLike
+from os.path import isfile
 from typing import TYPE_CHECKING, Any
 
 from .errors import UsageError
@@ -15,12 +17,14 @@ if TYPE_CHECKING:
     from .master.progress import Progress
 
 
-def fly(system: System, step: float | None = None, stop: float | None = None, *, algorithm: str = "gauss-seidel",
+def fly(system: System, step: float | None = None, stop: float | None = None, *, start: float | None = None,
+        tolerance: float | None = None, algorithm: str = "gauss-seidel",
         record: Sequence[str] | None = None, decimate: int = 1, progress: "bool | Progress" = True,
         isolate: bool = False, time_limit: float | None = None, real_time: float | None = None,
         stream: str | PathLike[str] | None = None, plain: bool = False) -> "Flight":
-    """Fly `system` from 0 to `stop` (s) in communication steps of `step` (s); by default what its file suggests.
+    """Fly `system` from `start` to `stop` (s) in communication steps of `step` (s); by default what its file suggests.
 
+    tolerance   the relative one that the FMUs are asked to keep; None for what each declares in its default experiment
     algorithm   gauss-seidel, jacobi, multi-rate, iterated or variable, with options such as
                 "multi-rate,controller=5,hold=linear"
     record      patterns of component.variable, with * for any: the signals to keep; None for all numeric outputs
@@ -29,7 +33,8 @@ def fly(system: System, step: float | None = None, stop: float | None = None, *,
     isolate     fly in a process of its own, so that an FMU that crashes ends the flight and not the program
     time_limit  longest time (s) of one FMU call; isolates
     real_time   pace the flight, this many simulated seconds a second
-    stream      write all signals to this Parquet file as it flies; the result keeps a part of the rows
+    stream      write all signals to this Parquet file, or Arrow stream (.arrows), as it flies; the result keeps a part
+                of the rows
     plain       tick in plain Python, not in compiled code
 
     Returns a Flight: `flight["component.variable"]` has shape (rows,) and the unit that the FMU declares,
@@ -40,8 +45,11 @@ def fly(system: System, step: float | None = None, stop: float | None = None, *,
     cannot be started.
     """
     demand(isinstance(system, System), "system", system, "a cosim.System")
-    step, stop = (given(name, value, getattr(system, name)) for name, value in (("step", step), ("stop", stop)))
-    for name, value in (("time_limit", time_limit), ("real_time", real_time)):
+    step = given("step", step, system.step)
+    stop = given("stop", stop, system.stop, signed=True)
+    start = given("start", start, system.start, signed=True)
+    demand(stop > start, "stop", stop, f"a number of seconds after the start at {start:g} s")
+    for name, value in (("tolerance", tolerance), ("time_limit", time_limit), ("real_time", real_time)):
         if value is not None:
             positive(name, value)
     demand(isinstance(decimate, int) and decimate is not True and decimate > 0, "decimate", decimate, "1, 2, 3 ...")
@@ -52,15 +60,14 @@ def fly(system: System, step: float | None = None, stop: float | None = None, *,
     demand(file is None or file.parent.is_dir(), "stream", str(file), "a file in a folder that exists")
     if not system.components:
         raise UsageError("The system has no components.")
-    if system.start != 0:
-        raise UsageError(f"The system starts at t = {system.start:g} s; a start other than 0 is not supported.")
 
     from .master.isolated import launch
     from .master.progress import progress_bar
 
     title = ", ".join(component.name for component in system.components)
     bar, tell = progress_bar(title, stop) if progress is True else (None, progress or None)
-    options: dict[str, Any] = {"record": None if record is None else list(record), "decimate": decimate,
+    options: dict[str, Any] = {"start": start, "tolerance": tolerance,
+                               "record": None if record is None else list(record), "decimate": decimate,
                                "real_time": real_time, "plain": plain, "stream": file}
     try:
         with bar or nullcontext():
@@ -77,7 +84,7 @@ def check(path: str | PathLike[str], dynamic: bool = True, time_limit: float = 3
     Raises UsageError if there is no such file.
     """
     file = as_path(path)
-    if not file.is_file():
+    if not isfile(file):
         raise UsageError(f"There is no file {file}.")
     positive("time_limit", time_limit)
     from .conformance import check as examine
@@ -85,13 +92,20 @@ def check(path: str | PathLike[str], dynamic: bool = True, time_limit: float = 3
     return examine(file, dynamic, time_limit, cycles)
 
 
-def given(name: str, value: float | None, suggested: float | None) -> float:
-    """The value of an argument, else what the system's file suggests. Raises UsageError if neither is a time."""
+def given(name: str, value: float | None, suggested: float | None, signed: bool = False) -> float:
+    """The value of an argument, else what the system's file suggests.
+
+    Raises UsageError if neither is a time; one that is `signed` may be 0 or below.
+    """
     if value is None:
         value = suggested
     if value is None:
         raise UsageError(f"{name} is missing: give it in seconds, such as {name}=0.01.")
-    return positive(name, value)
+    if not signed:
+        return positive(name, value)
+    is_number = isinstance(value, Real) and not isinstance(value, bool)
+    demand(is_number and isfinite(value), name, value, "a number of seconds")
+    return float(value)
 
 
 def positive(name: str, value: object) -> float:

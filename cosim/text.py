@@ -1,11 +1,25 @@
 """Words and tables for people, as plain text and HTML. Texts come from strangers' FMUs: shown, never obeyed."""
+import re
 from collections.abc import Iterable, Sequence
 from html import escape
+
+LONGEST_WORD, LONGEST_SENTENCE = 300, 4000  # characters
 
 
 def printable(text: str) -> str:
     """`text` with line feeds and control characters shown as escapes."""
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
+
+
+def sentence(text: str) -> str:
+    """`text` for a terminal: control characters as escapes, the middle of a very long word or text left out."""
+    words = [shortened(printable(word), LONGEST_WORD) for word in re.split(r"(\s+)", text)]
+    return shortened("".join(word if not word.isspace() else " " for word in words), LONGEST_SENTENCE)
+
+
+def shortened(text: str, longest: int) -> str:
+    """`text` itself, or its beginning and its end if it is longer than `longest` characters."""
+    return text if len(text) <= longest else f"{text[:longest * 2 // 3]} ... {text[-(longest // 4):]}"
 
 
 def shown(value: object) -> str:
@@ -20,6 +34,11 @@ def text_table(headings: Sequence[str], rows: Iterable[Sequence[object]]) -> lis
     cells = [list(headings), *([shown(x) for x in row] for row in rows)]
     widths = [max(map(len, column)) for column in zip(*cells)]
     return ["  ".join(cell.ljust(width) for cell, width in zip(line, widths)).rstrip() for line in cells]
+
+
+def without_math(text: str) -> str:
+    """`text` for matplotlib, which takes what is between two dollar signs for a formula."""
+    return text.replace("$", r"\$")
 
 
 def html_table(headings: Sequence[str], rows: Iterable[Sequence[object]]) -> str:

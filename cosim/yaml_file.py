@@ -7,6 +7,7 @@
 """
 from collections.abc import Iterator
 from contextlib import contextmanager
+from os.path import isfile  # unlike Path.is_file, false for a name that no file can have
 from pathlib import Path
 from typing import Any, NoReturn, TypeVar
 
@@ -17,27 +18,58 @@ from .errors import UsageError, nearest
 
 Place = tuple[str | int, ...]  # keys and indices from the top
 Model = TypeVar("Model", bound=BaseModel)
+MOST_BYTES, MOST_VALUES, DEEPEST = 1_000_000, 100_000, 50
+# What PyYAML raises where a value does not fit its type, as in `!!int x`: it tries.
+NO_VALUE = (ValueError, LookupError, AttributeError, TypeError, ArithmeticError)
 
 
 class Located(UsageError):
     """A UsageError whose message has file and line already."""
 
 
+class Loader(yaml.SafeLoader):
+    """PyYAML's safe loader with limits: what a few lines of aliases stand for counts as if it were written out."""
+
+    def __init__(self, text: str):
+        super().__init__(text)
+        self.depth = self.count = 0
+        self.sizes: dict[int, int] = {}  # of each node that is complete: the values in it
+
+    def compose_node(self, parent: Any, index: Any) -> Any:
+        """A node and all below it. Raises MarkedYAMLError beyond a limit."""
+        mark, alias, before = self.peek_event().start_mark, self.check_event(yaml.AliasEvent), self.count
+        self.depth += 1
+        if self.depth > DEEPEST:
+            raise yaml.MarkedYAMLError(None, None, f"it is nested more than {DEEPEST} levels deep", mark)
+        node = super().compose_node(parent, index)
+        self.depth -= 1
+        self.count += self.sizes.get(id(node), 1) if alias else 1  # none yet: an alias within what it stands for
+        if not alias:
+            self.sizes[id(node)] = self.count - before
+        if isinstance(node, yaml.ScalarNode) and any("\ud800" <= c <= "\udfff" for c in node.value):
+            raise yaml.MarkedYAMLError(None, None, "half of a pair of code units (\\ud800 to \\udfff) is no text", mark)
+        if self.count > MOST_VALUES:
+            raise yaml.MarkedYAMLError(None, None, f"there are more than {MOST_VALUES} values, those of aliases "
+                                                   "included", mark)
+        return node
+
+
 class Source:
     """The YAML file at `path`, which messages call `what`.
 
-    Raises UsageError if there is none, if it is not YAML, or if a key is given twice.
+    Raises UsageError if there is none, if it is not YAML or too large, or if a key is given twice.
     """
 
     def __init__(self, path: Path, what: str = "file"):
         self.path = path
-        if not path.is_file():
+        if not isfile(path):
             raise UsageError(f"There is no {what} {path}.")
         try:
-            text = path.read_text()
-            self.root = yaml.compose(text, Loader=yaml.SafeLoader)
-            self.check_keys(self.root)
-            self.data = yaml.safe_load(text)
+            with path.open("rb") as file:
+                content = file.read(MOST_BYTES + 1)
+            if len(content) > MOST_BYTES:
+                raise UsageError(f"{path} is too large: a {what} has at most {MOST_BYTES // 1000} kB.")
+            self.read(content.decode("utf-8-sig"))
         except UnicodeDecodeError:
             raise UsageError(f"{path} is not text.") from None
         except OSError as error:
@@ -45,8 +77,25 @@ class Source:
         except yaml.MarkedYAMLError as error:
             line = error.problem_mark.line + 1 if error.problem_mark else 1
             raise UsageError(f"{path}, line {line}: this is not YAML: {error.problem}.") from None
-        except (yaml.YAMLError, RecursionError, ValueError) as error:
+        except yaml.YAMLError as error:
             raise UsageError(f"{path} is not YAML: {' '.join(str(error).split())}") from None
+
+    def read(self, text: str) -> None:
+        """Take the document `text`. Raises UsageError for a key given twice, and what PyYAML raises."""
+        loader = Loader(text)
+        try:
+            self.root = loader.get_single_node()
+            self.check_keys(self.root)
+            self.data = self.values(loader)
+        finally:
+            loader.dispose()
+
+    def values(self, loader: Loader) -> Any:
+        """The document as plain data. Raises UsageError for a value that does not fit its type."""
+        try:
+            return None if self.root is None else loader.construct_document(self.root)
+        except NO_VALUE as error:
+            raise UsageError(f"{self.path}: a value does not fit its type: {' '.join(str(error).split())}.") from None
 
     def check_keys(self, node: Any, place: Place = (), above: tuple[int, ...] = ()) -> None:
         """Raises UsageError for a key given twice, which YAML lets win silently, and for an anchor inside itself."""

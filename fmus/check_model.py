@@ -24,7 +24,7 @@ from .units import si_base
 
 ARGUMENTS = {"start": "m, u, p", "advance": "m, t, h, x, u, p, c", "outputs": "m, t, x, u, p", "prepare": "m, p, h"}
 STEP = 0.01  # s, for the trial step
-KINDS = ("", "frequency")  # what may follow a unit, see `fmus.interface`
+KINDS = ("", "frequency", "discrete")  # what may follow a unit, see `fmus.interface`
 BACKEND = sorted(name for name in vars(floats) if not name.startswith("_"))
 NAME_RULE = "a name has ASCII letters, digits and _, begins with no digit and is no Python keyword"
 NOT_THE_MODELS = (Path(__file__).parent, Path(casadi.__file__).parent)
@@ -128,7 +128,7 @@ def unit_mistake(text: object) -> str | None:
             si_base(unit)
     except ValueError as error:
         return f"in the unit {text!r}, {error}; '' makes a Boolean"
-    return None if kind in KINDS else f"in the unit {text!r}, only 'frequency' may follow"
+    return None if kind in KINDS else f"in the unit {text!r}, only 'frequency' or 'discrete' may follow"
 
 
 def range_mistake(v: Variable) -> str | None:

@@ -44,22 +44,19 @@ def add_units(root: Element, table: list[Variable]) -> None:
     definitions = SubElement(root, "UnitDefinitions")
     for unit in sorted({v.unit for v in table} - {""}):
         element = SubElement(definitions, "Unit", name=unit)
-        known = si_base(unit)
-        if known:
-            factor, exponents = known
-            base = {name: str(exponent) for name, exponent in exponents.items()}
-            if factor != 1.0:
-                base["factor"] = number(factor)
-            SubElement(element, "BaseUnit", base)
+        factor, exponents = si_base(unit)
+        base = {name: str(exponent) for name, exponent in exponents.items()}
+        if factor != 1.0:
+            base["factor"] = number(factor)
+        SubElement(element, "BaseUnit", base)
         for shown in sorted({v.display_unit for v in table if v.unit == unit and v.display_unit}):
             SubElement(element, "DisplayUnit", name=shown, factor=number(DEGREES))
 
 
 def add_variable(parent: Element, v: Variable) -> None:
     """One <ScalarVariable>."""
-    variability = {"input": "continuous", "output": "continuous"}.get(v.causality, "fixed")
-    if v.type == "Boolean" and variability == "continuous":
-        variability = "discrete"
+    port = v.causality in ("input", "output")
+    variability = "fixed" if not port else "discrete" if v.discrete else "continuous"
     attributes = {"name": v.name, "valueReference": str(v.value_reference), "description": v.description,
                   "causality": v.causality, "variability": variability}
     initial = {"output": "calculated", "calculatedParameter": "calculated", "parameter": "exact"}.get(v.causality)

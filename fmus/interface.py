@@ -4,7 +4,8 @@ A model is a module with
     NAME, DESCRIPTION      identifier and one line of text
     VARIABLES              rows (name, causality, unit, start, min, max, nominal, description);
                            angles in rad, and shown in degrees; "rad/s frequency" is the unit rad/s of what is no
-                           rate of an angle, and shown as it is; the unit "" makes a Boolean, every other a Real
+                           rate of an angle, and shown as it is; "1 discrete" makes a Real that changes at the end of
+                           steps only, such as a flag, 0 or 1; the unit "" makes a Boolean, every other a Real
     PRESETS                name -> {parameter: value}
     start(m, u, p) -> x                    initial state, a list of floats, from inputs and parameters
     advance(m, t, h, x, u, p, c) -> x      the state h seconds later, with the inputs held
@@ -12,7 +13,7 @@ A model is a module with
     prepare(m, p, h) -> c                  optional: numbers that depend on parameters and step only
 where m is the mathematics backend (`fmus.floats` or `fmus.symbols`) and u, p have the inputs and the
 parameters as attributes. A model with a parameter `internal_step` is advanced in equal steps no longer
-than that; the range of an output is where the model is valid.
+than that; the range of an output is where the model is valid, the range of an input where it can start.
 
 `fmus.check_model` finds the mistakes of a model before it becomes an FMU; nothing here looks for them.
 """
@@ -40,6 +41,7 @@ class Variable:
     description: str
     value_reference: int
     display_unit: str | None  # the unit that people read, deg for rad; None where it is `unit`
+    discrete: bool = False    # changes at the end of communication steps only
 
     @property
     def type(self) -> str:
@@ -61,7 +63,8 @@ def record(row: Row, value_reference: int) -> Variable:
     name, causality, unit, start, low, high, nominal, description = row
     unit, _, kind = unit.partition(" ")
     shown = unit.replace("rad", "deg") if unit.startswith("rad") and kind != "frequency" else None
-    return Variable(name, causality, unit, start, low, high, nominal, description, value_reference, shown)
+    return Variable(name, causality, unit, start, low, high, nominal, description, value_reference, shown,
+                    kind == "discrete" or not unit)
 
 
 def variables(rows: list[Row]) -> list[Variable]:

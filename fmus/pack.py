@@ -1,4 +1,5 @@
 """Archives (FMU, SSP) as mappings of paths to bytes, written the same way every time."""
+import errno
 import hashlib
 import os
 import zipfile
@@ -18,6 +19,8 @@ def write(path: Path, files: dict[str, bytes]) -> None:
 
     Raises OSError if `path` cannot be written.
     """
+    if not path.name:  # "/", or ""
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
     path.parent.mkdir(parents=True, exist_ok=True)
     partial = path.with_name(f"{path.name}.{os.getpid()}")
     try:

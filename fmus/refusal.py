@@ -7,7 +7,7 @@ returns False) it also says that the FMU ends the simulation, which none of ours
 import ctypes
 from collections.abc import Callable
 from functools import wraps
-from math import isfinite
+from math import inf, isfinite
 from typing import Any
 
 from .interface import Variable
@@ -52,3 +52,16 @@ def out_of_range(v: Variable, value: float) -> str | None:
     if v.maximum is not None and value > v.maximum:
         return f"{v.name} = {with_unit(v, value)} is above its maximum {with_unit(v, v.maximum)}"
     return None
+
+
+def unwired(v: Variable, value: float) -> str | None:
+    """A question about the input `v` if `value` is outside its range, or None. Importers write zeros where nothing is
+    wired, and some do before they have the values."""
+    return f"{v.name} = {with_unit(v, value)}: is it wired?" if out_of_range(v, value) else None
+
+
+def startable(v: Variable) -> str:
+    """With which values of the input `v` the model starts."""
+    low, high = (f"{infinite if limit is None else v.displayed(limit):.6g}"
+                 for infinite, limit in ((-inf, v.minimum), (inf, v.maximum)))
+    return f"It starts with {v.name} from {low} to {high}{v.unit_suffix}, set before initialisation ends"

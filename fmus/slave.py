@@ -8,8 +8,8 @@ from types import ModuleType, SimpleNamespace
 from pythonfmu.fmi2slave import Fmi2Slave
 
 from . import floats
-from .interface import GIVEN, internal_steps, names, variables
-from .refusal import Refused, out_of_range, refusing
+from .interface import GIVEN, Variable, internal_steps, names, variables
+from .refusal import Refused, out_of_range, refusing, startable, unwired
 
 MOST_INTERNAL_STEPS = 1e7
 
@@ -184,13 +184,23 @@ class ModelSlave(Fmi2Slave):  # type: ignore[misc]
 
         Raises Refused where the model cannot have them.
         """
+        suspect = self.unwired()
+        reason = f"{suspect[1]} {startable(suspect[0])}" if suspect else None
         try:
-            reason = self.accept(self.model.start(floats, self.u, self.p), self.time)
+            reason = reason or self.accept(self.model.start(floats, self.u, self.p), self.time)
         except (ArithmeticError, ValueError) as error:
             reason = f"the state cannot be computed ({error})"
         if reason:
             raise Refused(f"{self.model.NAME} cannot start: {reason}")
         self.stale = False
+
+    def unwired(self) -> tuple[Variable, str] | None:
+        """The first input that is outside its range, and a question about it."""
+        for v in self.inputs.values():
+            question = unwired(v, getattr(self.u, v.name))
+            if question:
+                return v, question
+        return None
 
     def accept(self, x: list[float], time: float) -> str | None:
         """Take `x` and the outputs it gives as the state at `time`, or return why not."""
@@ -240,7 +250,8 @@ class ModelSlave(Fmi2Slave):  # type: ignore[misc]
             raise Refused(f"communication step {step_size} s takes too many internal steps{at}")
         reason = self.advance(current_time, *prepared)
         if reason:
-            raise Refused(f"{reason} at t = {end:.6g} s")
+            suspect = self.unwired()
+            raise Refused(f"{suspect[1] + ' ' if suspect else ''}{reason} at t = {end:.6g} s")
         return True
 
     def advance(self, time: float, step: float, count: int, h: float, c: list[float]) -> str | None:

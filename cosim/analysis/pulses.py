@@ -12,7 +12,6 @@ from ..errors import RunError
 from ..master import program as P
 from ..master.algorithms.base import chosen_order, turn
 from ..master.fmu import FmuFile
-from ..master.instance import DISCARD, OK
 from ..master.loaded import Master
 from ..master.system import System
 
@@ -152,7 +151,7 @@ class Alone:
         master.wiring.offset[places] = offset
         if status == 0:
             status = master.attempt(program, rest.ticks + 1, self.horizon - 1, 0.0, rest.step, rows, times, 1)
-        self.kept = master if status in (OK, DISCARD) and master.wiring.states[part] else None
+        self.kept = master if status in (P.OK, P.DISCARD) and master.wiring.states[part] else None
         flown = int(master.cursor[2])
         if self.kept is None:
             master.close()

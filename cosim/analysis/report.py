@@ -14,11 +14,11 @@ from typing import Any
 import numpy as np
 
 from ..errors import RunError, UsageError
+from ..master.connections import checked_connections
 from ..master.dependencies import step_order
 from ..master.fmu import FmuFile
 from ..master.loaded import open_files
 from ..master.system import Connection, System
-from ..master.wiring import checked_connections
 from .connected import connected
 from .margins import margins_at
 from .pulses import Answers, Rest, answers, at_rest, continuous_real

@@ -4,7 +4,8 @@
     sampling    the draws of run k                  criteria     success, as expressions on the metrics
     plan        file + FMUs -> what is flown        worker       a batch of runs, on a Dask worker
     nominal     a flight of each law before         engine       batches to a cluster and back
-    store       Parquet, written during the campaign; resume
+    cluster     Dask on this machine, or there      code         which code flies, here and on workers
+    store       Parquet, written during the campaign; receipt: its checksums; resume: what is there already
     statistics  probabilities, correlations         charts, report   report.html and its figures
     progress    what is said meanwhile              rerun        the command that repeats one run
 """

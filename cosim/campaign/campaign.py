@@ -1,53 +1,88 @@
 """A campaign from its file to its report: what `ahv campaign` does."""
+import logging
 import time
+from contextlib import AbstractContextManager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from ..errors import RunError
-from .plan import load
-from .store import Store
+from ..errors import RunError, UsageError
+from ..master.folder import claimed
+from .plan import Plan, load
+from .progress import note, on_terminal, shown
+from .resume import prepare
+from .store import CONTINUE, Store
+
+if TYPE_CHECKING:
+    from distributed import Client
 
 
 def campaign(path: Path, out: Path | None = None, scheduler: str | None = None, resume: bool = False,
-             workers: int | None = None) -> dict[str, Any]:
+             workers: int | None = None, tls: tuple[Path, Path, Path] | None = None,
+             dashboard: bool = False) -> dict[str, Any]:
     """Fly the campaign in the file at `path` and write its results; a summary as JSON goes.
 
-    Raises UsageError before any run flies if the file cannot be flown; RunError if the cluster was lost.
+    `tls` are the files of CA, certificate and key for a `scheduler`; `dashboard` opens Dask's on the cluster of this
+    machine, for everybody who can reach the port. Raises UsageError before any run flies if the file cannot be flown;
+    RunError if the cluster was lost, the disk is full or the report cannot be drawn: what was flown is kept.
     """
     began = time.perf_counter()
+    if tls and not (scheduler or "").startswith("tls://"):
+        raise UsageError(f"--tls-ca, --tls-cert and --tls-key are for a --scheduler tls://..., not {scheduler}.")
     plan = load(path)
-    folder = out or Path("results") / plan.campaign.name
-    store = Store(folder, plan)
-    with store.locked():
-        store.prepare(resume, path.read_text())
-        flown, flying_s = (0, 0.0) if store.complete else fly(plan, store, scheduler, workers)
-        from .report import write  # imports matplotlib, which is slow
-
-        summary = write(store)
+    with claimed(out, "campaign", plan.campaign.name) as folder:
+        store = Store(folder, plan)
+        try:
+            for sentence in prepare(store, resume, path.read_text()):
+                note(sentence)
+            flown, flying_s = (0, 0.0) if store.complete else fly(plan, store, scheduler, workers, tls, dashboard)
+            summary = reported(store)
+        except (KeyboardInterrupt, SystemExit):
+            note(f"Interrupted; {CONTINUE}.")
+            raise
     return {**summary, "runs_flown_now": flown, "flying_s": flying_s, "wall_s": time.perf_counter() - began,
             "out": str(folder)}
 
 
-def fly(plan: Any, store: Store, scheduler: str | None, workers: int | None) -> tuple[int, float]:
+def reported(store: Store) -> dict[str, Any]:
+    """The report's numbers, once it is written. Raises RunError if that fails, for whatever reason."""
+    try:
+        from .report import write  # imports matplotlib, which is slow
+
+        return write(store)
+    except Exception as error:
+        raise RunError(f"The report could not be drawn ({type(error).__name__}: {error}). All runs are in "
+                       f"{store.folder}, and --resume draws it.") from error
+
+
+def fly(plan: Plan, store: Store, scheduler: str | None, workers: int | None, tls: tuple[Path, Path, Path] | None,
+        dashboard: bool) -> tuple[int, float]:
     """What is missing; (rows that were flown, seconds that took)."""
-    from .engine import CONTINUE, Engine, connected, send
+    from .engine import Engine, send
     from .nominal import check
-    from .progress import note, shown
 
     total = plan.campaign.runs * len(plan.laws)
     rows, successes = store.counts()
     began = time.perf_counter()
-    try:
-        if rows < total:
-            with connected(scheduler, workers) as client:
-                send(client, plan)
-                for sentence in check(client, plan) if rows == 0 else ():
-                    note(sentence)
-                began = time.perf_counter()
-                with shown(plan.campaign.name, total, rows, successes, client.dashboard_link) as progress:
-                    Engine(client, plan, store, progress).run()
-    except KeyboardInterrupt:
-        raise RunError(f"Interrupted; {CONTINUE}.") from None
+    if rows < total:
+        with connected(store, scheduler, workers, tls, dashboard) as client:
+            send(client, plan)
+            for sentence in check(client, plan) if rows == 0 else ():
+                note(sentence)
+            began = time.perf_counter()
+            with shown(plan.campaign.name, total, rows, successes,
+                       client.dashboard_link if dashboard or (scheduler and on_terminal()) else None) as progress:
+                Engine(client, plan, store, progress).run()
     flying = time.perf_counter() - began
     store.finish()
     return total - rows, flying
+
+
+def connected(store: Store, scheduler: str | None, workers: int | None, tls: tuple[Path, Path, Path] | None,
+              dashboard: bool) -> AbstractContextManager["Client"]:
+    """A client of the cluster at `scheduler`, or of a temporary one on this machine."""
+    from . import cluster  # imports Dask, which is slow
+
+    logging.disable(logging.CRITICAL)  # what matters is said by this program
+    if scheduler is None:
+        return cluster.local(store.work, workers, dashboard)
+    return cluster.remote(scheduler, cluster.Tls(*tls) if tls else None)

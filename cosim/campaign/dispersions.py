@@ -7,8 +7,8 @@ from ..errors import UsageError
 from ..master.fmu import FmuFile
 from ..master.system import System, Value
 from ..yaml_file import Source
-from .sampling import Draw, Mixing, mixing
-from .spec import Campaign, Choice, Dispersion, Sinusoid
+from .sampling import EDGE, Draw, Mixing, mixing
+from .spec import Campaign, Choice, Dispersion, Integer, Sinusoid
 
 Fmus = Mapping[str, FmuFile]  # component -> its file
 SINE = {"amplitude": "_sine", "period": "_sine_omega", "phase": "_sine_phase"}
@@ -42,6 +42,7 @@ def all_draws(source: Source, campaign: Campaign, system: System, files: Fmus) -
             for one in draws_of(name, dispersion, system, files):
                 values = ends(one)
                 for target in one.targets:
+                    check_kind(files, target, one)
                     if target in taken:
                         raise UsageError(f"{target} is set by {taken[target]} already.")
                     taken[target] = name
@@ -51,6 +52,15 @@ def all_draws(source: Source, campaign: Campaign, system: System, files: Fmus) -
     if not found:
         source.fail(("dispersions",), "nothing in it is drawn")
     return tuple(found)
+
+
+def check_kind(files: Fmus, target: str, one: Draw) -> None:
+    """Raises UsageError where the draws are numbers of another kind than the variable's."""
+    component, _, variable = target.partition(".")
+    kind = files[component].variable(variable).type if component in files else "Real"
+    if kind != "Real" and not isinstance(one.distribution, Choice | Integer):
+        raise UsageError(f"{target} ({kind}) takes the distribution choice or integer, not "
+                         f"{one.distribution.distribution}.")
 
 
 def draws_of(name: str, dispersion: Dispersion, system: System, files: Fmus) -> list[Draw]:
@@ -80,11 +90,16 @@ def ends(one: Draw) -> list[Value]:
     """Values of the draw that must be allowed."""
     try:
         found = one.extremes()
-        if not one.period or all(isinstance(x, float) and 0 < x < math.inf for x in found):
-            return found
+        if one.period and not all(isinstance(x, float) and 0 < x < math.inf for x in found):
+            raise UsageError("a period must be above 0.")
+        drawn = [*found, one.value(EDGE), one.value(1 - EDGE)]
     except (ZeroDivisionError, ValueError):
-        pass
-    raise UsageError("a period must be above 0.")
+        raise UsageError("a period must be above 0.") from None
+    except OverflowError:
+        drawn = [math.inf]
+    if any(isinstance(x, float) and not math.isfinite(x) for x in drawn):
+        raise UsageError("its draws would not be finite numbers: they lie too far apart.")
+    return found
 
 
 def constants(source: Source, campaign: Campaign, files: Fmus) -> dict[str, Value]:

@@ -1,72 +1,63 @@
 """The client: sends tasks to a Dask cluster, a bounded number at a time, and puts the outcomes into the store."""
-import logging
-import os
-import tempfile
 import uuid
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from concurrent.futures import CancelledError
 from contextlib import contextmanager
 from itertools import count
 
-import dask
-from distributed import Client, Future, KilledWorker, LocalCluster, as_completed
+from distributed import Client, Future, KilledWorker, as_completed
 
 from ..errors import RunError
+from .code import code, differences
 from .plan import Plan
-from .store import Store
-from .worker import Outcome, SendFmu, SendJob, fly_batch, plugin_name, requests
+from .progress import Progress, note
+from .store import CONTINUE, Store
+from .worker import (
+    OtherCode,
+    Outcome,
+    SendFmu,
+    SendJob,
+    disk_is_full,
+    fly_batch,
+    plugin_name,
+    refusal,
+    requests,
+)
 
 AHEAD = 4            # tasks submitted at a time for each thread of the cluster
-WAIT_S = 60.0        # for a first worker
-CONTINUE = "what was flown until then is kept, and --resume continues"
 GONE = f"The Dask scheduler is gone; {CONTINUE}."
-Progress = Callable[[int, int], None]  # rows, successes that were added
-
-
-@contextmanager
-def connected(scheduler: str | None, workers: int | None) -> Iterator[Client]:
-    """A client of the cluster at `scheduler`, or of a temporary one on this machine.
-
-    Raises RunError if there is no cluster, or if it has no workers.
-    """
-    logging.disable(logging.CRITICAL)  # what matters is said by this program
-    if scheduler is None:
-        with (dask.config.set({"distributed.scheduler.allowed-failures": 1}),
-              tempfile.TemporaryDirectory(prefix="ahv_campaign_") as folder,
-              LocalCluster(n_workers=workers or os.cpu_count() or 1, threads_per_worker=1, local_directory=folder,
-                           dashboard_address="127.0.0.1:0", silence_logs=logging.CRITICAL) as cluster,
-              Client(cluster) as client):
-            yield client
-        return
-    try:
-        client = Client(scheduler, timeout=WAIT_S / 4)
-    except (OSError, ValueError, TimeoutError) as error:
-        raise RunError(f"There is no Dask scheduler at {scheduler}: {error}") from None
-    with client:
-        try:
-            client.wait_for_workers(1, timeout=WAIT_S)
-        except TimeoutError:
-            raise RunError(f"The scheduler at {scheduler} has no workers.") from None
-        yield client
 
 
 def send(client: Client, plan: Plan) -> None:
-    """Send the job and the FMU files to all workers, also to those that join later; not files that the cluster has."""
-    known = client.run_on_scheduler(lambda dask_scheduler: list(dask_scheduler.worker_plugins))
-    for stored, path in plan.fmus.items():
-        if plugin_name(stored) not in known:
-            client.register_plugin(SendFmu(stored, path.read_bytes()))
-    client.register_plugin(SendJob(plan.job))
+    """Send the job and the FMU files to all workers, also to those that join later; not files that the cluster has.
+
+    Raises RunError if a worker has other code.
+    """
+    with asking():
+        for address, found in client.run(code, on_error="return").items():
+            if other := differences(found, plan.job.code):
+                raise RunError(refusal(address, other))
+        known = client.run_on_scheduler(lambda dask_scheduler: list(dask_scheduler.worker_plugins))
+        for stored, path in plan.fmus.items():
+            if plugin_name(stored) not in known:
+                client.register_plugin(SendFmu(stored, path.read_bytes()))
+        client.register_plugin(SendJob(plan.job))
 
 
 @contextmanager
 def asking() -> Iterator[None]:
-    """Around a request to the cluster. Raises RunError if the cluster is lost."""
+    """Around a request to the cluster. Raises RunError if the cluster is lost, or has a full disk."""
     try:
         yield
     except (OSError, CancelledError, TimeoutError) as error:
-        raise RunError(GONE) from error
+        raise RunError(f"A disk of the cluster is full; {CONTINUE}." if disk_is_full(error) else GONE) from error
+
+
+def cannot_fly(error: BaseException) -> RunError:
+    """The end of a campaign of which a task failed with `error`."""
+    reason = str(error) if isinstance(error, RunError) else f"{type(error).__name__}: {error}"
+    return RunError(f"The cluster cannot fly this campaign: {reason.rstrip('.')}; {CONTINUE}.")
 
 
 class Batch:
@@ -103,7 +94,7 @@ class Engine:
 
         Raises RunError if the cluster is lost, or cannot fly at all.
         """
-        missing = (b for b in self.plan.batches() if not self.store.has(b[0]))
+        missing = (b for b in self.plan.batches() if b[0] not in self.store.done)
         while True:
             with asking():
                 most = AHEAD * max(1, sum(self.client.nthreads().values()))
@@ -136,11 +127,17 @@ class Engine:
         if future.status == "finished":
             with asking():
                 batch.outcomes.update(zip(positions, future.result()))
+        elif future.status in ("lost", "pending"):  # its worker died before we had the result: Dask flies it again
+            self.flying[future] = batch, positions
+            self.queue.add(future)
         elif future.status != "error":
             raise RunError(GONE)
-        elif not isinstance(error := future.exception(), KilledWorker):
-            raise RunError(f"The cluster cannot fly this campaign: {type(error).__name__}: {error}")
-        elif str(future.key[0]).startswith("alone"):  # type: ignore[index]
+        elif isinstance(error := future.exception(), OtherCode):
+            self.refuse(error)
+            self.submit(batch, positions, alone=is_alone(future))
+        elif not isinstance(error, KilledWorker):
+            raise cannot_fly(error)
+        elif is_alone(future):
             request = list(requests(self.plan.job, batch.first, batch.last))[positions[0]]
             batch.outcomes[positions[0]] = Outcome(
                 request, "crashed", "Each worker that flew this run died of it: an FMU crashed, or hung beyond "
@@ -153,3 +150,18 @@ class Engine:
         if batch.complete:
             self.store.add(batch.first, batch.rows)
             self.progress(batch.size, sum(o.succeeded for o in batch.outcomes.values()))
+
+    def refuse(self, error: OtherCode) -> None:
+        """Send a worker away that joined with other code. Raises RunError if there is no other."""
+        sentence, address = error.args
+        with asking():
+            if address in self.client.nthreads():
+                note(sentence)
+                self.client.retire_workers([address])
+            if not self.client.nthreads():
+                raise RunError(f"{sentence.rstrip('.')}, and there is no other; {CONTINUE}.")
+
+
+def is_alone(future: Future) -> bool:
+    """Whether a task was submitted alone."""
+    return str(future.key[0]).startswith("alone")  # type: ignore[index]

@@ -7,9 +7,8 @@ divisions by 0 that no run has.
 """
 from distributed import Client, Future, KilledWorker
 
-from ..errors import RunError
 from .criteria import judged
-from .engine import asking
+from .engine import asking, cannot_fly
 from .plan import Plan
 from .statistics import JUDGED
 from .worker import Outcome, fly_nominal
@@ -45,4 +44,4 @@ def flown(future: Future) -> Outcome | None:
             return future.result()  # type: ignore[no-any-return]
     if isinstance(error, KilledWorker):
         return None
-    raise RunError(f"The cluster cannot fly this campaign: {type(error).__name__}: {error}")
+    raise cannot_fly(error)

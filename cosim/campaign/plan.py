@@ -4,21 +4,23 @@ import json
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from os.path import isfile
 from pathlib import Path
 from typing import Any
 
 from ..errors import UsageError
 from ..master.algorithms import method
+from ..master.connections import checked_connections, recorded_names
 from ..master.flight import tick_count
 from ..master.loaded import open_files
 from ..master.system import System, Value
-from ..master.wiring import checked_connections, recorded_names
 from ..vehicle import scenarios
 from ..vehicle.closed_loop import FLAVOURS, ClosedLoop, assignments, closed_loop, names_file
 from ..vehicle.metrics import METRICS, needed
 from ..vehicle.registry import PLANTS
 from ..vehicle.scenarios import Scenario
 from ..yaml_file import Source
+from .code import CODE
 from .criteria import metrics_of
 from .dispersions import Fmus, all_draws, all_mixings, checked, constants, with_values
 from .sampling import Draw, Sampler
@@ -43,6 +45,7 @@ class Job:
     keep_share: float                     # of the runs: their signals
     keep_failures: bool
     decimate: int
+    code: dict[str, str]                  # that flies it
 
 
 @dataclass(frozen=True)
@@ -78,6 +81,11 @@ class Plan:
     def scenario_word(self) -> str:
         """The scenario as `ahv run` takes it."""
         return beside(self.path, self.campaign.scenario)
+
+    @property
+    def described(self) -> str:
+        """The text of campaign.json."""
+        return json.dumps({"kind": "campaign", **self.fingerprint}, indent=2) + "\n"
 
     @property
     def worst_by(self) -> str:
@@ -133,17 +141,23 @@ def make(campaign: Campaign, source: Source) -> Plan:
     fingerprint = {
         **campaign.model_dump(mode="json", exclude={"name", "worst_by"}), "scenario": scenario.model_dump(mode="json"),
         "stop": stop, "runs_per_task": runs_per_task,
-        "fmus": {law: {c.name: str(c.fmu) for c in s.components} for law, s in systems.items()}}
-    job = Job(hashlib.sha256(json.dumps(fingerprint, sort_keys=True).encode()).hexdigest(), systems, record,
-              campaign.step, ticks, campaign.algorithm, campaign.success, campaign.timeout_s,
-              draws, sampler, campaign.signals.share, campaign.signals.failures, campaign.signals.decimate)
+        "fmus": {law: {c.name: str(c.fmu) for c in s.components} for law, s in systems.items()}, "code": CODE}
+    job = Job(key_of(fingerprint), systems, record, campaign.step, ticks, campaign.algorithm, campaign.success,
+              campaign.timeout_s, draws, sampler, campaign.signals.share, campaign.signals.failures,
+              campaign.signals.decimate, CODE)
     return Plan(source, campaign, scenario, stop, loops, fixed, job, fmus, fingerprint, runs_per_task)
+
+
+def key_of(fingerprint: dict[str, Any]) -> str:
+    """The key of a campaign: it differs when anything does that determines the rows. `kind` is no part of it."""
+    text = json.dumps({name: value for name, value in fingerprint.items() if name != "kind"}, sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()
 
 
 def beside(path: Path, scenario: str) -> str:
     """`scenario`, or the path of the file of that name beside the campaign file at `path`."""
     file = path.parent / scenario
-    return str(file.resolve()) if scenario not in scenarios.BUILT_IN and file.is_file() else scenario
+    return str(file.resolve()) if scenario not in scenarios.BUILT_IN and isfile(file) else scenario
 
 
 def loop_of(campaign: Campaign, scenario: Scenario, law: Law, folder: Path) -> ClosedLoop:

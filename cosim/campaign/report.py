@@ -7,6 +7,7 @@ from typing import Any
 
 import pyarrow.parquet as pq
 
+from ..master.whole_file import whole
 from ..vehicle.metrics import HEADLINES
 from . import charts
 from .plan import Plan
@@ -45,20 +46,23 @@ def write(store: Store) -> dict[str, Any]:
     runs, errors = pq.read_table(store.file("runs")), pq.read_table(store.file("errors"))
     runs, draws = with_differences(runs, [d.name for d in plan.draws[plan.laws[0]]])
     results, metric = [Results.of(law, runs) for law in plan.laws], plan.worst_by
-    pictures = {}
-    (folder / "figures").mkdir(exist_ok=True)
-    for name, draw in charts.every(results, errors, draws, metric, plan.stop).items():
-        path = folder / "figures" / f"{name}.png"
-        draw().savefig(path, dpi=110)
-        pictures[name] = path.read_bytes()
     summary = {
         "campaign": plan.campaign.name, "scenario": plan.scenario.name, "runs": plan.campaign.runs,
         "seed": plan.campaign.seed, "sampling": plan.campaign.sampling, "success": plan.campaign.success,
         "judged": list(JUDGED), "interval": interval_text(plan.campaign.sampling),
         "controllers": {r.law: r.summary(draws, metric) for r in results},
         "paired": {f"{a.law} and {b.law}": paired(a, b) for i, a in enumerate(results) for b in results[i + 1:]}}
-    (folder / "report.json").write_text(json.dumps(summary, indent=2) + "\n")
-    (folder / "report.html").write_text(page(plan, summary, results, pictures))
+    with whole(folder / "report.json") as partial:  # first: it needs no pictures
+        partial.write_text(json.dumps(summary, indent=2) + "\n")
+    pictures = {}
+    (folder / "figures").mkdir(exist_ok=True)
+    for name, draw in charts.every(results, errors, draws, metric, plan.stop).items():
+        path = folder / "figures" / f"{name}.png"
+        with whole(path) as partial:
+            draw().savefig(partial, dpi=110, format="png")
+        pictures[name] = path.read_bytes()
+    with whole(folder / "report.html") as partial:
+        partial.write_text(page(plan, summary, results, pictures))
     return {**summary, "report": str(folder / "report.html")}
 
 

@@ -1,5 +1,6 @@
 """The command line that repeats one run of a campaign by itself."""
 import shlex
+from pathlib import Path
 from typing import Any
 
 from ..vehicle.closed_loop import FOLLOWS, absolute
@@ -7,7 +8,8 @@ from .plan import Plan
 
 
 def command(plan: Plan, row: dict[str, Any]) -> str:
-    """The `ahv run` command of `row`, one of runs.parquet, with numbers in full: it gives the same bits."""
+    """The `ahv run` command of `row`, one of runs.parquet, with numbers in full: it gives the same bits, in a folder of
+    its own."""
     campaign, folder = plan.campaign, plan.path.parent
     law = next(law for law in campaign.controllers if law.name == row["controller"])
     drawn = {target: row[d.name] for d in plan.draws[law.name] for target in d.targets}
@@ -18,6 +20,7 @@ def command(plan: Plan, row: dict[str, Any]) -> str:
              "--stop", repr(plan.stop), "--algorithm", campaign.algorithm]
     for name, value in values.items():
         words += ["--set", f"{name}={value!r}" if isinstance(value, float) else f"{name}={value}"]
+    words += ["--out", str(Path("results") / "run" / f"{campaign.name}-{law.name}-{row['run']}")]
     return shlex.join(words)
 
 

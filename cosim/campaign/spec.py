@@ -2,8 +2,10 @@
 import math
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, field_validator, model_validator
 
+from .. import names
+from ..vehicle.closed_loop import law_name
 from .criteria import Criterion
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
@@ -156,6 +158,11 @@ class Law(Strict):
     name: str = ""
     set: dict[Name, Finite | bool | str] = {}
 
+    @field_validator("name")
+    @classmethod
+    def is_name(cls, value: str) -> str:
+        return names.checked(value) if value else value
+
 
 class Signals(Strict):
     """Whose signals are kept: of a share of the runs, and of the failures."""
@@ -167,7 +174,7 @@ class Signals(Strict):
 
 class Campaign(Strict):
     """What a campaign file may say."""
-    name: str = Field(pattern=r"^[\w.-]+$")
+    name: Annotated[str, AfterValidator(names.checked)]
     scenario: str
     controllers: list[Law] = Field(default=["neural"], min_length=1, validate_default=True)  # type: ignore[list-item]
     presets: dict[str, str] = Field(default={}, description="of other components")
@@ -197,9 +204,9 @@ class Campaign(Strict):
     @field_validator("controllers")
     @classmethod
     def named(cls, value: list[Law]) -> list[Law]:
-        found = [law if law.name else law.model_copy(update={"name": law.law.partition("=")[0]}) for law in value]
-        names = [law.name for law in found]
-        for name in names:
-            if names.count(name) > 1:
+        found = [law if law.name else law.model_copy(update={"name": law_name(law.law)}) for law in value]
+        called = [law.name for law in found]
+        for name in called:
+            if called.count(name) > 1:
                 raise ValueError(f"two controllers are called {name}: give each a name of its own")
         return found

@@ -3,30 +3,32 @@
     campaign.json    what determines the rows         runs.parquet      one row a run and law
     campaign.yaml    the file                         signals.parquet   of the runs whose signals are kept
     parts/           until all is there               errors.parquet    errors over time, for the envelopes
+                                                      receipt.json      row count and checksum of each table
 
-A task's part of runs.parquet is written last, and appears as a whole: where it exists, the task is complete. The final
-files are the parts in order, so they do not depend on which worker flew what, or when.
+A task's receipt is written after its parts: where it exists, the task is complete. The final files are the parts in
+order, so they do not depend on which worker flew what, or when.
 """
-import fcntl
-import json
+import re
 import shutil
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from ..errors import UsageError
-from ..master.results import prepare_folder
-from ..master.whole_file import whole
+from ..errors import RunError, UsageError
+from ..master.whole_file import reason, whole
 from ..vehicle.metrics import METRICS, OVER_TIME
 from .plan import Plan
+from .receipt import Receipt, Table
 from .worker import Outcome
 
 KINDS = ("errors", "signals", "runs")  # in the order in which they are written
+OURS = re.compile(rf"\.?({'|'.join(KINDS)}|receipt)-\d{{10}}\.(parquet|json)(\.partial)?")  # what parts/ has of us
 GROUP_ROWS = 50_000
+CONTINUE = "what was flown until then is kept, and --resume continues"
 ARROW: dict[type, pa.DataType] = {float: pa.float64(), bool: pa.bool_(), str: pa.string()}
 
 
@@ -51,7 +53,11 @@ class Store:
 
     def __init__(self, folder: Path, plan: Plan):
         self.folder, self.plan, self.schemas = folder, plan, schemas(plan)
-        self.parts = folder / "parts"
+        self.parts, self.head, self.receipt = folder / "parts", folder / "campaign.json", folder / "receipt.json"
+        self.mark = self.parts / ".campaign"  # only in a folder with this file is anything removed
+        self.work = self.parts / "work"       # files of the cluster on this machine
+        self.done: dict[int, Receipt] = {}    # of each task that is complete, by its first run
+        self.complete = False                 # all tables are there
 
     def file(self, kind: str) -> Path:
         """The final file of a kind."""
@@ -61,61 +67,71 @@ class Store:
         """The part of a kind that the task with the first run `first` writes."""
         return self.parts / f"{kind}-{first:010d}.parquet"
 
-    @property
-    def complete(self) -> bool:
-        """Whether the campaign is done."""
-        return self.file("runs").exists()
+    def part_receipt(self, first: int) -> Path:
+        """The receipt of the task with the first run `first`."""
+        return self.parts / f"receipt-{first:010d}.json"
 
-    def prepare(self, resume: bool, text: str) -> None:
-        """Make the folder ready; `text` is the campaign file's.
-
-        Raises UsageError if it has a campaign already, unless `resume` is set and that campaign is the same.
-        """
-        prepare_folder(self.folder)
-        head = self.folder / "campaign.json"
-        if head.exists() and (self.complete or any(self.parts.glob("runs-*"))):
-            if not resume:
-                raise UsageError(f"{self.folder} has a campaign already: --resume continues it, --out puts this one "
-                                 f"elsewhere.")
-            before = json.loads(head.read_text())
-            changed = [k for k, v in self.plan.fingerprint.items() if before.get(k) != json.loads(json.dumps(v))]
-            if changed:
-                raise UsageError(f"{self.folder} has another campaign, which cannot be continued: "
-                                 f"{', '.join(changed)} {'has' if len(changed) == 1 else 'have'} changed since.")
-        if not self.complete:
-            self.parts.mkdir(exist_ok=True)
-        (self.folder / "campaign.yaml").write_text(text)
-        with whole(head) as partial:
-            partial.write_text(json.dumps(self.plan.fingerprint, indent=2) + "\n")
 
     @contextmanager
-    def locked(self) -> Iterator[None]:
-        """Keep other processes from writing here. Raises UsageError if one does already."""
-        prepare_folder(self.folder)
-        with open(self.folder / ".lock", "w") as lock:
-            try:
-                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except BlockingIOError:
-                raise UsageError(f"Another campaign is writing to {self.folder} just now.") from None
+    def writing(self) -> Iterator[None]:
+        """Around whatever writes here. Raises RunError if that is not possible."""
+        try:
             yield
+        except OSError as error:
+            raise RunError(f"{self.folder} cannot be written to: {reason(error)}; {CONTINUE}.") from None
+        except RunError as error:
+            if isinstance(error.__context__, OSError):  # of `whole`
+                raise RunError(f"{str(error).rstrip('.')}; {CONTINUE}.") from None
+            raise
 
-    def has(self, first: int) -> bool:
-        """Whether the task with the first run `first` is done."""
-        return self.part("runs", first).exists()
+    def check_parts(self) -> None:
+        """Raises UsageError if parts/ has files of somebody else."""
+        if self.parts.exists() and not self.mark.exists() and any(self.parts.iterdir()):
+            raise UsageError(f"{self.parts} has files that are not a campaign's: move them, or give another folder "
+                             f"with --out.")
+
+    def mark_parts(self) -> None:
+        """Make parts/ and mark it as a campaign's."""
+        self.parts.mkdir(exist_ok=True)
+        self.mark.write_text(f"{self.plan.campaign.name} {self.plan.job.key}\n")
+
+    def clear_parts(self) -> None:
+        """Remove from parts/ what a campaign wrote there, and the folder if nothing is left."""
+        if self.mark.exists():
+            shutil.rmtree(self.work, ignore_errors=True)
+            for path in self.parts.iterdir():
+                if OURS.fullmatch(path.name):
+                    path.unlink()
+            self.mark.unlink()
+            with suppress(OSError):
+                self.parts.rmdir()
+
+    def write_head(self, text: str) -> None:
+        """Write campaign.yaml, with `text`, and campaign.json."""
+        with whole(self.folder / "campaign.yaml") as partial:
+            partial.write_text(text)
+        with whole(self.head) as partial:
+            partial.write_text(self.plan.described)
 
     def add(self, first: int, rows: list[Outcome]) -> None:
-        """The outcomes of the task whose first run is `first`, in order."""
-        for kind, lines in (("errors", map(errors_line, rows)), ("runs", map(self.line, rows))):
-            table = pa.Table.from_pylist([x for x in lines if x], schema=self.schemas[kind])
-            if kind == "runs":  # after everything else
-                self.write("signals", first, self.signals(rows))
-            self.write(kind, first, table)
+        """The outcomes of the task whose first run is `first`, in order. Raises RunError if the disk is full."""
+        tables = {"errors": self.table("errors", map(errors_line, rows)), "signals": self.signals(rows),
+                  "runs": self.table("runs", map(self.line, rows))}
+        written = {}
+        with self.writing():
+            for kind in KINDS:
+                if tables[kind].num_rows:
+                    with whole(self.part(kind, first)) as partial:
+                        pq.write_table(tables[kind], partial)
+                        written[kind] = Table.of(partial, tables[kind].num_rows)
+            receipt = Receipt(campaign=self.plan.job.key, first=first, tables=written,
+                              successes=sum(outcome.succeeded for outcome in rows))
+            receipt.write(self.part_receipt(first))
+        self.done[first] = receipt
 
-    def write(self, kind: str, first: int, table: pa.Table) -> None:
-        """Write a part, unless it is empty; runs always."""
-        if table.num_rows or kind == "runs":
-            with whole(self.part(kind, first)) as partial:
-                pq.write_table(table, partial)
+    def table(self, kind: str, lines: Iterator[dict[str, Any] | None]) -> pa.Table:
+        """Rows of a kind as a table, without those that are None."""
+        return pa.Table.from_pylist([line for line in lines if line], schema=self.schemas[kind])
 
     def line(self, outcome: Outcome) -> dict[str, Any]:
         """An outcome as a row of runs.parquet."""
@@ -140,18 +156,33 @@ class Store:
         return pa.concat_tables(tables) if tables else schema.empty_table()
 
     def finish(self) -> None:
-        """Write the parts as one file of each kind, runs.parquet last, and remove them."""
-        for kind in KINDS:
-            with whole(self.file(kind)) as partial, pq.ParquetWriter(partial, self.schemas[kind]) as writer:
-                for table in self.gathered(kind):
-                    writer.write_table(table)
-        shutil.rmtree(self.parts, ignore_errors=True)
+        """Write the parts as one file of each kind, with their receipt, and remove them.
+
+        Raises RunError if a part was damaged meanwhile, or if the disk is full.
+        """
+        written = {}
+        with self.writing():
+            for kind in KINDS:
+                rows = 0
+                with whole(self.file(kind)) as partial:
+                    with pq.ParquetWriter(partial, self.schemas[kind]) as writer:
+                        for table in self.gathered(kind):
+                            writer.write_table(table)
+                            rows += table.num_rows
+                    written[kind] = Table.of(partial, rows)
+            Receipt(campaign=self.plan.job.key, first=0, tables=written,
+                    successes=self.counts()[1]).write(self.receipt)
+            self.clear_parts()
 
     def gathered(self, kind: str) -> Iterator[pa.Table]:
-        """The rows of all parts in groups of about GROUP_ROWS."""
+        """The rows of all parts in groups of about GROUP_ROWS. Raises RunError if one does not fit its receipt."""
         waiting: list[pa.Table] = []
-        for first, _ in self.plan.batches():
-            if self.part(kind, first).exists():
+        for first, receipt in sorted(self.done.items()):
+            if kind in receipt.tables:
+                try:
+                    receipt.check(kind, self.part(kind, first))
+                except ValueError as fault:
+                    raise RunError(f"{self.parts}: {fault}; --resume flies its runs again.") from None
                 waiting.append(pq.read_table(self.part(kind, first), schema=self.schemas[kind]))
             if sum(t.num_rows for t in waiting) >= GROUP_ROWS:
                 yield pa.concat_tables(waiting).combine_chunks()
@@ -161,12 +192,7 @@ class Store:
 
     def counts(self) -> tuple[int, int]:
         """(rows, successes) that are there already."""
-        rows = successes = 0
-        for first, _ in self.plan.batches():
-            if self.has(first):
-                column = pq.read_table(self.part("runs", first), columns=["success"])["success"]
-                rows, successes = rows + len(column), successes + sum(column.to_pylist())
-        return rows, successes
+        return (sum(r.tables["runs"].rows for r in self.done.values()), sum(r.successes for r in self.done.values()))
 
 
 def errors_line(outcome: Outcome) -> dict[str, Any] | None:

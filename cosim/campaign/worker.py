@@ -1,4 +1,5 @@
 """What a Dask worker does: it keeps FMU files by their hash, keeps systems loaded, and flies batches of runs."""
+import errno
 import faulthandler
 import hashlib
 import os
@@ -22,6 +23,7 @@ from ..master.system import System, Value
 from ..master.whole_file import whole
 from ..vehicle.metrics import OVER_TIME, measured
 from ..vehicle.signals import course
+from .code import CODE, differences
 from .criteria import holds
 from .dispersions import with_values
 from .plan import Job
@@ -117,6 +119,16 @@ def keep(folder: Path, stored: str, content: bytes) -> None:
             partial.write_bytes(content)
 
 
+class OtherCode(RunError):
+    """This worker has other code than the campaign's client."""
+
+    def __init__(self, sentence: str, address: str):
+        super().__init__(sentence, address)
+
+    def __str__(self) -> str:
+        return str(self.args[0])
+
+
 class OutOfTime(RunError):
     """A run took longer than the campaign allows."""
 
@@ -172,7 +184,7 @@ class LoadedSystems:
             self.drop(law)
 
     def fly(self, request: Request) -> Outcome:
-        """Fly one run; failures of any kind are outcomes, not exceptions."""
+        """Fly one run; failures of any kind are outcomes, not exceptions. Only a full disk raises RunError."""
         began = time.monotonic()
         late: list[bool] = []
 
@@ -184,9 +196,11 @@ class LoadedSystems:
         try:
             master = self.ready(request.law, request.values)
             flight = fly_loaded(master, method(self.job.algorithm), self.job.step, self.job.ticks, check_time)
-        except (RunError, UsageError) as error:
-            return Outcome(request, "error", str(error))
         except Exception as error:
+            if disk_is_full(error):
+                raise RunError(f"The disk with {self.folder} is full.") from None
+            if isinstance(error, RunError | UsageError):
+                return Outcome(request, "error", str(error))
             self.drop(request.law)
             return Outcome(request, "error", f"{type(error).__name__}: {error}")
         finally:
@@ -209,6 +223,15 @@ class LoadedSystems:
         return result
 
 
+def disk_is_full(error: BaseException | None) -> bool:
+    """Whether an error, or what led to it, is that of a full disk: our trouble, not the run's."""
+    while error is not None:
+        if isinstance(error, OSError) and error.errno in (errno.ENOSPC, errno.EDQUOT):
+            return True
+        error = error.__context__
+    return False
+
+
 def errors_over_time(flight: Flight, step: float, ticks: int) -> dict[str, np.ndarray]:
     """Errors at fixed times (s), shares of all `ticks` of `step` seconds, as far as the flight came."""
     courses = {name: course(flight, signal) for name, (_, signal) in OVER_TIME.items()}
@@ -224,14 +247,22 @@ NOWHERE = open(os.devnull, "w")  # noqa: SIM115
 
 
 def loaded(key: str) -> LoadedSystems:
-    """The systems of the job `key`; those of another job are unloaded."""
+    """The systems of the job `key`; those of another job are unloaded. Raises OtherCode if that code is not ours."""
     from distributed import get_worker
 
+    if unlike := differences(CODE, JOBS[key].code):
+        address = get_worker().address
+        raise OtherCode(refusal(address, unlike), address)
     if not LOADED or LOADED[0].job.key != key:
         for other in LOADED:
             other.close()
         LOADED[:] = [LoadedSystems(JOBS[key], work_folder(get_worker()))]
     return LOADED[0]
+
+
+def refusal(address: str, unlike: str) -> str:
+    """The sentence about a worker with other code."""
+    return f"The worker at {address} has other code and may not fly: {unlike}."
 
 
 def fly_batch(key: str, first: int, last: int, positions: list[int] | None = None) -> list[Outcome]:

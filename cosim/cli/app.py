@@ -1,21 +1,43 @@
 """The command line `ahv`: one command a file, each a few lines around a function that Python users call too.
 
 Words and JSON keys are a contract. Errors are one sentence on stderr: exit status 1 for a run that failed, 2 for a
-request that cannot be carried out.
+request that cannot be carried out, 70 for what nobody foresaw, which then is in a file to send us.
 """
+import errno
 import os
-import re
-import signal
 import sys
 from typing import Annotated
 
 import typer
 
-from ..errors import RunError, UsageError
-from . import bench, build, campaign, check, compare, info, linearize, run, simulate, ssp, trim, tune
+from ..errors import Interrupted, RunError, UsageError
+from ..master.quantities import is_number
+from ..text import sentence
+from . import (
+    bench,
+    build,
+    campaign,
+    check,
+    compare,
+    container,
+    info,
+    linearize,
+    recover,
+    run,
+    simulate,
+    ssp,
+    trim,
+    tune,
+)
+from .ending import ending
+from .unforeseen import UNFORESEEN, unforeseen
+
+# What the system says of a file that cannot be read or written where the user wants it.
+REFUSED = (errno.ENOENT, errno.EACCES, errno.EPERM, errno.ENOTDIR, errno.EISDIR, errno.EEXIST, errno.ENAMETOOLONG,
+           errno.ELOOP, errno.EROFS)
 
 app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False)
-for command in (run, compare, info, trim, linearize, simulate, ssp, check, campaign, tune, build):
+for command in (run, recover, compare, info, trim, linearize, simulate, ssp, container, check, campaign, tune, build):
     app.command()(getattr(command, command.__name__.rpartition(".")[2]))
 app.command(context_settings={"allow_extra_args": True, "ignore_unknown_options": True})(bench.bench)
 
@@ -36,10 +58,10 @@ def ahv(version: Annotated[bool, typer.Option("--version", callback=show_version
 
 
 def main() -> None:
-    """Entry point of the program: its exit status, with SIGTERM as an end that removes temporary files."""
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
-    keep_output_apart()
-    sys.exit(done(sys.argv[1:]))
+    """Entry point of the program: its exit status, with signals as an end that removes temporary files."""
+    with ending():
+        keep_output_apart()
+        sys.exit(done(sys.argv[1:]))
 
 
 def done(words: list[str]) -> int:
@@ -48,10 +70,18 @@ def done(words: list[str]) -> int:
         app(args=with_factor(words))
     except UsageError as error:
         return complain(error, 2)
+    except Interrupted as error:
+        return complain(error, 128 + error.number)
     except RunError as error:
         return complain(error, 1)
     except ModuleNotFoundError as error:
         return complain(f"{error}. `make setup` installs all packages.", 2)
+    except OSError as error:
+        if error.filename is None or error.errno not in REFUSED:
+            return complain(unforeseen(error, words), UNFORESEEN)
+        return complain(f"{error.filename}: {error.strerror}.", 2)
+    except Exception as error:
+        return complain(unforeseen(error, words), UNFORESEEN)
     return 0
 
 
@@ -65,12 +95,12 @@ def keep_output_apart() -> None:
 def with_factor(words: list[str]) -> list[str]:
     """`--real-time` with its factor, which is 1 where none is given."""
     for i, word in enumerate(words):
-        if word == "--real-time" and not re.fullmatch(r"\d*\.?\d+", words[i + 1] if i + 1 < len(words) else ""):
+        if word == "--real-time" and not is_number(words[i + 1] if i + 1 < len(words) else ""):
             return [*words[:i + 1], "1", *words[i + 1:]]
     return words
 
 
 def complain(error: object, status: int) -> int:
     """Print `error`; the exit status."""
-    print(f"ahv: {error}", file=sys.stderr)
+    print(f"ahv: {sentence(str(error))}", file=sys.stderr)
     return status

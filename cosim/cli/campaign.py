@@ -5,6 +5,7 @@ from typing import Annotated, Any
 
 import typer
 
+from ..errors import UsageError
 from .options import Json
 from .show import report
 
@@ -12,15 +13,25 @@ from .show import report
 def campaign(
     file: Annotated[Path, typer.Argument(help="A campaign file, see docs/campaigns.md.")],
     scheduler: Annotated[str | None, typer.Option(metavar="ADDRESS", help="Dask scheduler; else a local one.")] = None,
-    workers: Annotated[int | None, typer.Option(help="Local worker processes; else one for each core.", min=1)] = None,
+    workers: Annotated[int | None, typer.Option(help="Local worker processes; else one for each core.", min=1,
+                                                          max=1000)] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Continue an interrupted campaign.")] = False,
-    out: Annotated[Path | None, typer.Option(help="Folder; else results/NAME.")] = None,
+    tls_ca: Annotated[Path | None, typer.Option(metavar="FILE", help="CA, for a scheduler with TLS.")] = None,
+    tls_cert: Annotated[Path | None, typer.Option(metavar="FILE", help="Our certificate, for the same.")] = None,
+    tls_key: Annotated[Path | None, typer.Option(metavar="FILE", help="Its key.")] = None,
+    dashboard: Annotated[bool, typer.Option("--dashboard", help="Dask's dashboard for the local cluster; every user "
+                                                                "of this machine can see it.")] = False,
+    out: Annotated[Path | None, typer.Option(help="Folder; else results/campaign/NAME.")] = None,
     as_json: Json = False,
 ) -> None:
     """Fly many uncertain runs on Dask, and report how often they succeed."""
     from ..campaign.campaign import campaign as fly
 
-    summary = fly(file, out, scheduler, resume, workers)
+    given = [path for path in (tls_ca, tls_cert, tls_key) if path is not None]
+    if len(given) not in (0, 3):
+        raise UsageError("--tls-ca, --tls-cert and --tls-key belong together: give all three, or none.")
+    tls = (given[0], given[1], given[2]) if given else None
+    summary = fly(file, out, scheduler, resume, workers, tls, dashboard)
     if as_json:
         print(json.dumps(summary))
     else:

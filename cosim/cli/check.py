@@ -1,6 +1,7 @@
 """`ahv check`."""
 import sys
 from enum import StrEnum
+from os.path import isfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -68,7 +69,7 @@ def check(
         return
     if not fmus:
         raise UsageError("Name the FMUs to check, or a rule with --explain.")
-    missing = [str(path) for path in fmus if not path.is_file()]
+    missing = [str(path) for path in fmus if not isfile(path)]
     if missing:
         raise UsageError(f"There is no file {', '.join(missing)}.")
     limits = Limits(call_s=time_limit, total_s=total_time_limit, memory_mb=memory_limit, file_mb=file_limit,

@@ -4,10 +4,9 @@ from typing import Annotated
 
 import typer
 
-from ..errors import RunError
 from ..vehicle.registry import LAWS
 from .options import Flavour, Json, Out, Plant, ScenarioWord, Step, Stop
-from .show import note, report_rows
+from .show import conclude, note, report_rows
 
 
 def compare(
@@ -28,13 +27,12 @@ def compare(
     """
     from ..vehicle.compare import compare as fly
 
-    summary, flights, notes = fly(scenario, controller, plant, flavour, step, stop, out)
+    summary, flights, notes, trouble = fly(scenario, controller, plant, flavour, step, stop, out)
     note([*notes, *(f"{law}: {warning}" for law, flight in flights.items() for warning in flight.warnings)])
     if as_json:
         print(json.dumps(summary))
     else:
         report_rows(summary["controllers"])
         print(f"{summary['verdict']} Figures: {summary['out']}")
-    if not all(flight.finished for flight in flights.values()):
-        raise RunError("; ".join(f"{law}: {flight.message}" for law, flight in flights.items() if flight.message))
-    note([f"{law}: {flight.message}" for law, flight in flights.items() if flight.message])
+    conclude(all(flight.finished for flight in flights.values()),
+             [f"{law}: {flight.message}" for law, flight in flights.items() if flight.message], trouble)

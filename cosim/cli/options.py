@@ -21,6 +21,10 @@ Preset = Annotated[str | None, typer.Option(help="Preset of the controller, else
 Flavour = Annotated[str | None, typer.Option(help="native or python; else native where it is built.")]
 Step = Annotated[float, typer.Option(help="Communication step, s.")]
 Stop = Annotated[float | None, typer.Option(help="Stop time, s; else the scenario's.")]
+Stream = Annotated[bool, typer.Option("--stream", help="Write signals.parquet during the run, for long runs: no CSV; "
+                                      "metrics and figures use a part of the rows.")]
+TimeLimit = Annotated[float | None, typer.Option(metavar="S", help="Longest time of one FMU call, s; a call that takes "
+                                                  "longer ends the flight.")]
 Uncertainty = Annotated[float | None, typer.Option(help="Amplitude of the coefficients' change, for example 0.5; else "
                                                    "the scenario's.")]
 Velocity = Annotated[float, typer.Option("--V", help="Velocity, ft/s.")]

@@ -3,7 +3,6 @@ from typing import Annotated
 
 import typer
 
-from ..errors import RunError
 from ..vehicle.closed_loop import assignments, chosen_presets
 from .options import (
     Algorithm,
@@ -17,9 +16,11 @@ from .options import (
     Set,
     Step,
     Stop,
+    Stream,
+    TimeLimit,
     Uncertainty,
 )
-from .show import note, report
+from .show import conclude, note, report
 
 
 def run(
@@ -34,22 +35,20 @@ def run(
     uncertainty: Uncertainty = None,
     plain: Annotated[bool, typer.Option("--plain", help="Run the tick loop in plain Python, not compiled.")] = False,
     real_time: Annotated[float | None, typer.Option(metavar="[FACTOR]", help="Pace the run, FACTOR (1) times.")] = None,
-    isolate: Annotated[bool, typer.Option("--isolate", help="Fly in a process of its own, which may crash.")] = False,
-    time_limit: Annotated[float | None, typer.Option(metavar="S", help="Of one FMU call; isolates.")] = None,
-    stream: Annotated[bool, typer.Option("--stream", help="Write signals.parquet during the run, for long runs: no "
-                                         "CSV; metrics and figures use a part of the rows.")] = False,
+    isolate: Annotated[bool, typer.Option("--isolate", hidden=True, help="Every run does so by now.")] = False,
+    time_limit: TimeLimit = None,
+    stream: Stream = False,
     set_: Set = [],  # noqa: B006  (typer wants a list)
-    decimate: Annotated[int, typer.Option(help="Write every N-th tick.", min=1)] = 1,
+    decimate: Annotated[int, typer.Option(help="Write every N-th tick.", min=1, max=10**12)] = 1,
     out: Out = None,
     as_json: Json = False,
 ) -> None:
-    """Fly a scenario and write signals, run.json and figures to results/SCENARIO."""
+    """Fly a scenario and write signals, run.json and figures to results/run/SCENARIO."""
+    from ..master.guard import POSSIBLE
     from ..vehicle.run import run as fly
 
     done = fly(scenario, controller, chosen_presets(preset), plant, flavour, step, stop, algorithm, assignments(set_),
-               uncertainty, decimate, stream, isolate, time_limit, plain, real_time, out, progress=True)
+               uncertainty, decimate, stream, isolate or POSSIBLE, time_limit, plain, real_time, out, progress=True)
     note([*done.notes, *done.flight.warnings])
     report(done.summary, as_json)
-    if not done.flight.finished:
-        raise RunError(done.flight.message)
-    note([done.flight.message] if done.flight.message else [])
+    conclude(done.flight.finished, [done.flight.message], done.trouble, done.flight.interrupted)

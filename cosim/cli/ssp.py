@@ -23,6 +23,7 @@ def ssp(
 ) -> None:
     """Write the closed loop as SSP 1.0, for any tool that reads it."""
     from ..master.flight import tick_count
+    from ..master.folder import expanded
     from ..ssp.write import write
     from ..vehicle import scenarios
     from ..vehicle.closed_loop import closed_loop
@@ -30,7 +31,7 @@ def ssp(
     plan = scenarios.load(scenario)
     tick_count(step, plan.stop)
     loop = closed_loop(plan, controller, plant, flavour, chosen_presets(preset), assignments(set_), uncertainty)
-    path = out or Path("results") / f"{plan.name}.ssp"
+    path = expanded(out) if out else Path("results") / f"{plan.name}.ssp"
     write(path, plan.name, loop.system, step, plan.stop)
     note(loop.notes)
     print(path, file=sys.stderr)

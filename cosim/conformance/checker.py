@@ -1,10 +1,10 @@
 """The check: unpacks an FMU, reads it, applies the static rules, runs the probes, and removes its temporary files."""
 import math
-import tempfile
 from pathlib import Path
 
 from ..errors import UsageError
 from ..master.unpack import BadArchive, safe_extract
+from ..temporary import Folder, troubles
 from . import dynamic, rules  # noqa: F401  (importing the rules registers them)
 from .confined import Limits
 from .reading import Unusable, read
@@ -25,9 +25,10 @@ def check(path: Path, run_probes: bool, limits: Limits, cycles: int) -> Report:
         if not 0 < value < math.inf:
             raise UsageError(f"{option} {value:g} must be a positive number{unit}.")
     report = Report(Path(path))
-    with tempfile.TemporaryDirectory(prefix="ahv-check-", ignore_cleanup_errors=True) as work:
+    with Folder() as temporary, troubles(temporary.path):
+        work = temporary.path
         try:
-            folder = Path(work) / "fmu"
+            folder = work / "fmu"
             folder.mkdir()
             fmu = read(report.fmu, folder, safe_extract(report.fmu, folder))
             report.tool = fmu.description.attributes.get("generationTool", "")
@@ -38,7 +39,7 @@ def check(path: Path, run_probes: bool, limits: Limits, cycles: int) -> Report:
             report.add(problem.rule, problem.fault)
             return report
         check_static(fmu, report)
-        check_dynamic(fmu, report, Path(work), run_probes, limits, cycles)
+        check_dynamic(fmu, report, work, run_probes, limits, cycles)
     return report
 
 

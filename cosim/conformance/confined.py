@@ -5,7 +5,6 @@ ends them all when a limit is passed, when the worker has ended, or when the che
 a sandbox where the machine has one: see `SANDBOXES`.
 """
 import contextlib
-import ctypes
 import json
 import os
 import signal
@@ -13,16 +12,17 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+
+from ..processes import PARENT_DEATH, SUBREAPER, below, end_all, prctl
 
 MB = 1 << 20
 PAGE = os.sysconf("SC_PAGE_SIZE") if hasattr(os, "sysconf") else 4096
 LOOK_S = 0.05
 MOST_ANSWERS = 256 * MB  # an FMU that writes where the answers go cannot fill the memory
-SUBREAPER, PARENT_DEATH = 36, 1  # prctl: orphans below come to the guard; a signal when the guard dies
 # Tried in this order. bwrap: nothing but `work` can be written, no network, processes of its own. unshare: processes
 # of its own, so that none outlives the guard.
 SANDBOXES: dict[str, Callable[[str], list[str]]] = {
@@ -129,7 +129,7 @@ def guarded(work: Callable[[str, int], None]) -> None:
         limit_files(limits)
         work(job, answers)
         os._exit(0)
-    prctl(SUBREAPER, 1)
+    prctl(SUBREAPER, 1)  # orphans below come to the guard
     reason: list[str] = []
     threading.Thread(target=wait_for_parent, daemon=True).start()
     threading.Thread(target=watch, args=(limits, reason), daemon=True).start()
@@ -185,45 +185,9 @@ def wait_for_parent() -> None:
     os._exit(1)
 
 
-def end_all() -> None:
-    """Kill all processes below this one, until there are none left."""
-    while found := below(os.getpid()):
-        for how in (signal.SIGSTOP, signal.SIGKILL):  # stopped first: what is stopped starts nothing
-            for pid in found:
-                with contextlib.suppress(ProcessLookupError, PermissionError):
-                    os.kill(pid, how)
-        time.sleep(0.001)
-
-
-def below(ancestor: int) -> list[int]:
-    """The running processes that descend from `ancestor`; without /proc, none."""
-    children: dict[int, list[int]] = {}
-    for pid, state, parent in processes():
-        if state not in "ZX":
-            children.setdefault(parent, []).append(pid)
-    found = list(children.get(ancestor, ()))
-    for pid in found:
-        found.extend(children.get(pid, ()))
-    return found
-
-
-def processes() -> Iterator[tuple[int, str, int]]:
-    """(process, state, parent) of all processes that /proc shows."""
-    for pid in filter(str.isdigit, os.listdir("/proc") if os.path.isdir("/proc") else ()):
-        with contextlib.suppress(OSError):
-            fields = Path("/proc", pid, "stat").read_text("utf-8", "replace").rpartition(")")[2].split()
-            yield int(pid), fields[0], int(fields[1])
-
-
 def resident_mb(pid: int) -> float:
     """Memory of a process that is its own (MB); 0 if it has ended."""
     with contextlib.suppress(OSError, ValueError, IndexError):
         _, resident, shared = Path("/proc", str(pid), "statm").read_text().split()[:3]
         return (int(resident) - int(shared)) * PAGE / MB
     return 0.0
-
-
-def prctl(option: int, value: int) -> None:
-    """Linux's prctl; nothing elsewhere."""
-    if sys.platform == "linux":
-        ctypes.CDLL(None).prctl(option, value, 0, 0, 0)

@@ -1,12 +1,11 @@
 """An unpacked FMU as the rules see it, and the careful reading of its modelDescription.xml (sections 2.2 and 2.3)."""
 from pathlib import Path
-from xml.parsers import expat
 
-import fmpy
 from lxml import etree
 
 from ..errors import UsageError
-from ..master.description import Description, parsed
+from ..master.description import Description
+from ..master.xml_file import NotXml, fmpy_folder, prolog, root_of
 from .subject import Fault, Fmu
 
 
@@ -27,8 +26,8 @@ def read(path: Path, folder: Path, members: list[str]) -> Fmu:
     xml = model_description(folder, members)
     encoding = declared_encoding(xml)
     try:
-        root = parsed(xml)
-    except etree.XMLSyntaxError as problem:
+        root = root_of(xml)
+    except NotXml as problem:
         raise Unusable("xml.well-formed", Fault("modelDescription.xml", str(problem), "well-formed XML")) from None
     version = root.get("fmiVersion")
     if root.tag == "fmiModelDescription" and version is not None and version.strip() != "2.0":
@@ -49,46 +48,21 @@ def model_description(folder: Path, members: list[str]) -> bytes:
                    Fault("modelDescription.xml", found, "modelDescription.xml at the archive's root"))
 
 
-class RootReached(Exception):
-    """Ends the reading of the prolog: the root element begins."""
-
-
 def declared_encoding(xml: bytes) -> str | None:
     """The declared encoding. Raises Unusable for entities and external document types before a parser expands them."""
-    declared: list[str | None] = [None]
-
-    def declaration(_version: str, encoding: str | None, _standalone: int) -> None:
-        declared[0] = encoding
-
-    def entity(name: str, *_: object) -> None:
-        raise Unusable("xml.entities", Fault("modelDescription.xml", f"the entity '{name}' is declared",
+    found = prolog(xml)
+    if found.system:
+        raise Unusable("xml.entities", Fault("modelDescription.xml", f"a document type that refers to '{found.system}'",
+                                             "no reference to other files"))
+    if found.entity:
+        raise Unusable("xml.entities", Fault("modelDescription.xml", f"the entity '{found.entity}' is declared",
                                              "no entity declarations"))
-
-    def doctype(_name: str, system: str | None, *_: object) -> None:
-        if system:
-            found = f"a document type that refers to '{system}'"
-            raise Unusable("xml.entities", Fault("modelDescription.xml", found, "no reference to other files"))
-
-    def root(*_: object) -> None:
-        raise RootReached
-
-    parser = expat.ParserCreate()
-    parser.XmlDeclHandler = declaration
-    parser.EntityDeclHandler = entity
-    parser.StartDoctypeDeclHandler = doctype
-    parser.StartElementHandler = root
-    try:
-        parser.Parse(xml, True)
-    except RootReached:
-        pass
-    except expat.ExpatError:
-        pass  # the XML parser proper reports this better
-    return declared[0]
+    return found.encoding
 
 
 def schema_faults(root: etree._Element) -> list[Fault]:
     """What the schema fmi2ModelDescription.xsd, as fmpy ships it, objects to."""
-    file = Path(fmpy.__file__).parent / "schema" / "fmi2" / "fmi2ModelDescription.xsd"
+    file = fmpy_folder() / "schema" / "fmi2" / "fmi2ModelDescription.xsd"
     schema = etree.XMLSchema(etree.parse(str(file)))
     schema.validate(root)
     return [Fault(f"line {entry.line}", entry.message, "what fmi2ModelDescription.xsd allows")

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from rich.table import Table
+from rich.text import Text
 
 from ..errors import UsageError, did_you_mean
 from ..text import html_table, html_text, printable
@@ -181,7 +182,7 @@ def counted(report: Report) -> str:
 
 def findings_table(report: Report) -> Table:
     """The findings as a table for a terminal (`rich.print` it): of one rule and severity the first MOST_ROWS."""
-    table = Table(title=f"{report.fmu.name}: {counted(report)}", title_justify="left", show_lines=False)
+    table = Table(title=Text(f"{report.fmu.name}: {counted(report)}"), title_justify="left", show_lines=False)
     for heading in HEADINGS:
         table.add_column(heading, overflow="fold", no_wrap=heading in ("severity", "section"))
     seen: Counter[tuple[str, str]] = Counter()
@@ -189,8 +190,7 @@ def findings_table(report: Report) -> Table:
         seen[f.severity, f.rule] += 1
         if seen[f.severity, f.rule] <= MOST_ROWS:
             severity = f"[{COLOURS[f.severity]}]{f.severity}[/]"
-            texts = map(without_markup, (f.variable, f.found, f.expected))
-            table.add_row(f.impact, severity, f.rule, f.section, *texts)
+            table.add_row(f.impact, severity, f.rule, f.section, *map(Text, (f.variable, f.found, f.expected)))
     for (severity, rule), number in seen.items():
         if number > MOST_ROWS:
             table.add_row("", severity, rule, "", f"{number - MOST_ROWS} more", "`ahv check --json` lists them", "")
@@ -200,14 +200,9 @@ def findings_table(report: Report) -> Table:
 def not_tested_table(report: Report) -> Table:
     """What was not tested, and why, as a table for a terminal."""
     ran = f" (it ran in the sandbox: {report.sandbox})" if report.sandbox else ""
-    table = Table(title=f"{report.fmu.name}: not tested{ran}", title_justify="left")
+    table = Table(title=Text(f"{report.fmu.name}: not tested{ran}"), title_justify="left")
     table.add_column("what")
     table.add_column("why", overflow="fold")
     for item in report.not_tested:
-        table.add_row(without_markup(item.what), without_markup(item.why))
+        table.add_row(Text(item.what), Text(item.why))
     return table
-
-
-def without_markup(text: str) -> str:
-    """`text` escaped so that rich does not take `[3]` in a variable name for markup."""
-    return text.replace("[", r"\[")

@@ -4,7 +4,7 @@
     unpack        archives of unknown origin            instance      an instance of an FMU, and what it says
     description   modelDescription.xml as data          declared      what it says of a variable
     quantities    units and conversions                 parameter_set values of presets and of SSP files
-    xml_file      XML of SSP, validated                 notes         notes to the user on stderr
+    xml_file      XML, that of SSP validated            notes         notes to the user on stderr
     dependencies  which output depends on which input
     initialise    from instantiated to ready to step    wiring        a loaded system as arrays
     program       what a tick does, as rows of numbers  loop_plain, loop_compiled   what carries programs out

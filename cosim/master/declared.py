@@ -4,7 +4,8 @@ The defaults are those of FMI 2.0.x section 2.2.7: causality "local", variabilit
 `initial` when it is absent. What a variable leaves out is its declared type's.
 """
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from itertools import product
 
 # Section 2.2.7, the table of `initial`: (variability, causality) -> allowed values, the default first.
 EXACT = ("exact",)
@@ -28,6 +29,10 @@ INITIAL: dict[tuple[str, str], tuple[str, ...]] = {
     ("continuous", "input"): (),
     ("continuous", "independent"): (),
 }
+# What the types of both versions of FMI are to those who connect, set and show variables.
+FAMILIES = {"Real": "Real", "Float32": "Real", "Float64": "Real", "Integer": "Integer",
+            **{f"{sign}Int{bits}": "Integer" for sign in ("", "U") for bits in (8, 16, 32, 64)}}
+NUMERIC = ("Real", "Integer", "Enumeration", "Boolean")
 CAUSALITIES = frozenset(causality for _, causality in INITIAL)
 VARIABILITIES = frozenset(variability for variability, _ in INITIAL)
 
@@ -43,12 +48,20 @@ class SimpleType:
 
 @dataclass
 class Variable:
-    """A `<ScalarVariable>` (2.2.7); `own` are the attributes of its Real, Integer, ... element."""
+    """A `<ScalarVariable>` (2.2.7); `own` are the attributes of its Real, Integer, ... element.
+
+    An array of FMI 3.0 has a `shape`, and `starts` for its elements. Each element is a variable as well, the `place`-th
+    (from 0) of `array`.
+    """
     index: int
     attributes: dict[str, str]
     type: str
     own: dict[str, str]
     declared: SimpleType | None = None
+    shape: tuple[int, ...] | None = None
+    starts: list[str] = field(default_factory=list)
+    array: str = ""
+    place: int = 0
 
     @property
     def name(self) -> str:
@@ -90,6 +103,25 @@ class Variable:
     def derivative(self) -> int | None:
         """The index of the variable whose derivative this one is."""
         return integer(self.own.get("derivative"))
+
+    @property
+    def family(self) -> str:
+        """Real, Integer, Boolean, String, Enumeration, Binary or Clock, whatever the version and the width."""
+        return FAMILIES.get(self.type, self.type)
+
+    def elements(self) -> "list[Variable]":
+        """The elements of an array, x[1], x[2] or x[1,1], x[1,2] ..., the last index changing first; of another
+        variable itself."""
+        if self.shape is None:
+            return [self]
+        starts = self.starts * math.prod(self.shape) if len(self.starts) == 1 else self.starts
+        found = []
+        for place, indices in enumerate(product(*(range(1, n + 1) for n in self.shape))):
+            name = f"{self.name}[{','.join(map(str, indices))}]"
+            own = {**self.own, "start": starts[place]} if place < len(starts) else self.own
+            found.append(replace(self, attributes={**self.attributes, "name": name}, own=own, shape=None, starts=[],
+                                 array=self.name, place=place))
+        return found
 
     @property
     def base(self) -> str:

@@ -50,9 +50,12 @@ def inputs_behind(file: FmuFile, initially: bool = False) -> dict[str, set[str]]
     """Output -> the inputs on which it depends directly; all of them where the FMU does not say."""
     inputs = set(file.names("input"))
     unknowns = file.description.initial_unknowns if initially else file.description.outputs
-    name_of = {v.index: v.name for v in file.description.variables}
-    declared = {name_of[u.index]: inputs if u.dependencies is None else inputs & {name_of[i] for i in u.dependencies}
-                for u in unknowns if u.index}
+    names_of: dict[int, list[str]] = {}  # of an array those of its elements
+    for v in file.scalars:
+        names_of.setdefault(v.index, []).append(v.name)
+    declared = {name: inputs if u.dependencies is None
+                else inputs.intersection(n for i in u.dependencies for n in names_of.get(i, []))
+                for u in unknowns if u.index for name in names_of.get(u.index, [])}
     return {name: declared.get(name, inputs) for name in file.names("output")}
 
 

@@ -1,18 +1,25 @@
 """modelDescription.xml as plain data: the one reading of it, for what flies an FMU and for what checks one.
 
 It is tolerant, so that rules can judge what is there: `declared` has what is said of variables and types. `read` is for
-who needs a description that can be used. FMI 3.0 (and 1.0) is read as far as `cosim.info` shows it.
+who needs one that can be used. FMI 3.0 is read in the words of 2.0: what it says by value reference (the state
+of a derivative, the model structure) is said here by index. FMI 1.0 is read as far as `cosim.info` shows it.
 """
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import cached_property
+from math import prod
 from pathlib import Path
 
 from lxml import etree
 
 from .declared import SimpleType, Unknown, Variable, integer, is_true
 from .quantities import Unit, unit
+from .xml_file import NotXml, root_of
 
 BASE_TYPES = ("Real", "Integer", "Boolean", "String", "Enumeration")
+LARGEST_ARRAY = 1_000_000  # elements
+UNKNOWNS = {"Outputs": "Output", "Derivatives": "ContinuousStateDerivative", "InitialUnknowns": "InitialUnknown"}
+CLAIMS = {"canGetAndSetFMUstate": "canGetAndSetFMUState", "canSerializeFMUstate": "canSerializeFMUState"}  # in FMI 3.0
 
 
 class Description:
@@ -22,11 +29,16 @@ class Description:
         self.root = root
         self.attributes: dict[str, str] = attributes_of(root)
         self.version = self.attributes.get("fmiVersion", "").strip()
+        self.flat = self.version.startswith("3.")  # <Float64 name= ...> instead of <ScalarVariable name= ...><Real/>
         self.co_simulation = self.attributes_at("CoSimulation")
         self.model_exchange = self.attributes_at("ModelExchange")
         self.experiment = self.attributes_at("DefaultExperiment") or {}
         self.types = list(self.read_types())
         self.variables = list(self.read_variables())
+        if self.flat:
+            self.elements = self.root.findall("ModelVariables/*")
+            self.index = {v.reference: v.index for v in reversed(self.variables)}
+            self.variables = [self.in_words_of_2(v) for v in self.variables]
         self.outputs = self.read_unknowns("Outputs")
         self.derivatives = self.read_unknowns("Derivatives")
         self.initial_unknowns = self.read_unknowns("InitialUnknowns")
@@ -38,7 +50,7 @@ class Description:
 
     def read_types(self) -> Iterator[SimpleType]:
         """The types of `<TypeDefinitions>`."""
-        if self.version.startswith("3."):  # <Float64Type name= ...>
+        if self.flat:  # <Float64Type name= ...>
             for element in self.root.iterfind("TypeDefinitions/*"):
                 yield simple_type(element.get("name", ""), element)
         for tag in ("SimpleType", "Type"):  # the latter in FMI 1.0
@@ -50,18 +62,51 @@ class Description:
     def read_variables(self) -> Iterator[Variable]:
         """The variables of `<ModelVariables>`, with their declared types."""
         by_name = {known.name: known for known in reversed(self.types)}  # the first of a name counts
-        flat = self.version.startswith("3.")  # <Float64 name= ...>
-        for index, element in enumerate(self.root.iterfind(f"ModelVariables/{'*' if flat else 'ScalarVariable'}"), 1):
-            typed = element if flat else next((c for c in child_elements(element) if c.tag in BASE_TYPES), None)
+        for index, element in enumerate(
+                self.root.iterfind(f"ModelVariables/{'*' if self.flat else 'ScalarVariable'}"), 1):
+            typed = element if self.flat else next((c for c in child_elements(element) if c.tag in BASE_TYPES), None)
             own = {} if typed is None else attributes_of(typed)
             kind = "" if typed is None else str(typed.tag)
-            if flat and (start := element.find("Start")) is not None:
+            if self.flat and (start := element.find("Start")) is not None:
                 own["start"] = start.get("value", "")
             yield Variable(index, adapted(self.version, kind, attributes_of(element)), kind, own,
                            by_name.get(own.get("declaredType", "")))
 
+    def in_words_of_2(self, v: Variable) -> Variable:
+        """A variable of FMI 3.0 with its shape and start values if it is an array, and the index of its state."""
+        element = self.elements[v.index - 1]
+        own, dimensions = dict(v.own), element.findall("Dimension")
+        if "derivative" in own:
+            own["derivative"] = str(self.index_of(own["derivative"]))
+        if not dimensions:
+            return replace(v, own=own)
+        sizes = []
+        for dimension in dimensions:
+            of = self.variable(self.index_of(dimension.get("valueReference")))
+            sizes.append(integer(dimension.get("start") if of is None else of.start) or 0)
+        texts = [start.get("value", "") for start in element.iterfind("Start")]
+        return replace(v, own=own, shape=tuple(max(0, n) for n in sizes), starts=texts or own.get("start", "").split())
+
+    def index_of(self, reference: str | None) -> int:
+        """The index of the variable with this value reference (FMI 3.0); 0, which is no valid index, if there is none.
+        """
+        return self.index.get(integer(reference), 0)
+
+    @cached_property
+    def aliases(self) -> list[Variable]:
+        """Further names of variables (FMI 3.0, `<Alias>`): to be looked at only, as local variables are."""
+        return [replace(v, attributes={**v.attributes, "causality": "local", "description": "", **attributes_of(alias)},
+                        own={**v.own, **attributes_of(alias)})
+                for v in self.variables for alias in self.elements[v.index - 1].iterfind("Alias")
+                ] if self.flat else []
+
     def read_unknowns(self, tag: str) -> list[Unknown]:
         """The entries of one list of `<ModelStructure>`."""
+        if self.flat:
+            return [Unknown(self.index_of(element.get("valueReference")),
+                            None if (words := element.get("dependencies")) is None
+                            else [self.index_of(word) for word in words.split()], kinds_of(element))
+                    for element in self.root.iterfind(f"ModelStructure/{UNKNOWNS[tag]}")]
         return [Unknown(integer(element.get("index")), indices(element.get("dependencies")), kinds_of(element))
                 for element in self.root.iterfind(f"ModelStructure/{tag}/Unknown")]
 
@@ -87,7 +132,8 @@ class Description:
         found: dict[str, Unit] = {}
         for element in self.root.iterfind("UnitDefinitions/Unit"):
             name, base = element.get("name", ""), element.find("BaseUnit")
-            displays = [attributes_of(display) for display in element.iterfind("DisplayUnit")]
+            displays = [attributes_of(display) for display in element.iterfind("DisplayUnit")
+                        if not is_true(display.get("inverse"))]  # FMI 3.0: not proportional
             found.setdefault(name, unit(name, None if base is None else attributes_of(base), displays))
         return found
 
@@ -97,13 +143,7 @@ class Description:
 
     def claims(self, flag: str) -> bool:
         """True when the CoSimulation element sets this capability flag (4.3.1)."""
-        return is_true((self.co_simulation or {}).get(flag))
-
-
-def parsed(xml: bytes) -> etree._Element:
-    """The root of an XML document of unknown origin: no entities, no other files. Raises etree.XMLSyntaxError."""
-    return etree.fromstring(xml, etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False,
-                                                 remove_comments=True))
+        return is_true((self.co_simulation or {}).get(CLAIMS.get(flag, flag) if self.flat else flag))
 
 
 def read(folder: Path) -> Description:
@@ -121,8 +161,8 @@ def usable(xml: bytes) -> Description:
     type, a value reference or a definition of its declared type.
     """
     try:
-        root = parsed(xml)
-    except (etree.XMLSyntaxError, LookupError) as error:  # LookupError: an unknown encoding
+        root = root_of(xml)
+    except NotXml as error:
         raise ValueError(f"modelDescription.xml is not well-formed XML ({error})") from None
     description = Description(root)
     if root.tag != "fmiModelDescription" or not description.version:
@@ -132,9 +172,15 @@ def usable(xml: bytes) -> Description:
             raise ValueError(f"its variable {v.name or v.index} has no name, no type or no value reference")
         if "declaredType" in v.own and v.declared is None:
             raise ValueError(f"its variable {v.name} has the declaredType {v.own['declaredType']}, which is not there")
+        if v.shape and prod(v.shape) > LARGEST_ARRAY:
+            raise ValueError(f"its variable {v.name} is an array of {prod(v.shape)} elements; at most {LARGEST_ARRAY} "
+                             f"are read")
     for tag, unknown in description.structure:
         for index in (unknown.index, *(unknown.dependencies or [])):
             if description.variable(index) is None:
+                if description.flat:
+                    raise ValueError(f"its model structure ({UNKNOWNS[tag]}) refers to a value reference that no "
+                                     f"variable has")
                 raise ValueError(f"an Unknown of its {tag} refers to the variable {index}, which is not there")
     return description
 

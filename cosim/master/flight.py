@@ -1,22 +1,23 @@
 """Flies a system from start to stop and keeps what it showed."""
-import signal
-import threading
 import time
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property
+from math import inf, isfinite
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ..errors import RunError, UsageError, did_you_mean
+from ..errors import Interrupted, RunError, UsageError, did_you_mean
 from .algorithms import Method, method
 from .algorithms.base import Algorithm, Experiment
 from .course import Course, terms
+from .declared import NUMERIC
 from .instance import Instance
+from .interruptions import interruptions
 from .loaded import Ended, Master, open_files
+from .memory import free_memory
 from .pace import Pace
 from .progress import Progress
 from .recording import CHUNK_ROWS, Recorder, Stream
@@ -24,7 +25,9 @@ from .series import Series
 from .system import System
 from .wiring import Signal
 
+MOST_TICKS = 1e12  # 11 days at a microsecond each
 CHUNK_S = 0.1  # wall time between two looks at the world
+COPIES = 3  # of all rows in memory at a time, at most: when they are put together and written
 MakeRecorder = Callable[[list[Signal]], Recorder]
 
 
@@ -55,6 +58,8 @@ class Flight:
     lateness: dict[str, float] | None = None   # of a paced run
     ended_at: float | None = None    # s, where an FMU ended the simulation, which counts as finished
     periods: dict[str, float] = field(default_factory=dict)   # s, of the components that do not step in every tick
+    remarks: list[str] = field(default_factory=list)   # sentences of whoever had it flown, for `warnings`
+    interrupted: int = 0             # the signal that asked for an end, before or after it came to it; 0 if none did
 
     @cached_property
     def places(self) -> dict[str, int]:
@@ -86,7 +91,8 @@ class Flight:
         components have just stepped. All rows, if they step in every tick."""
         found = np.ones(len(self.time), bool)
         for period in {self.periods.get(name.partition(".")[0], 0.0) for name in names} - {0.0}:
-            found &= np.abs(self.time - np.round(self.time / period) * period) < 1e-6 * period
+            elapsed = self.time - self.time[0]
+            found &= np.abs(elapsed - np.round(elapsed / period) * period) < 1e-6 * period
         return found
 
     def course(self, expression: str) -> Course:
@@ -130,15 +136,21 @@ class Flight:
 
     @property
     def warnings(self) -> list[str]:
-        """What a reader should know of the numbers: the signals that are not finite, in one sentence."""
+        """What a reader should know of the numbers: remarks, and the signals that are not finite, in one sentence."""
         strange = ~np.isfinite(self.signals)
         found = np.flatnonzero(strange.any(axis=0)).tolist()
         if not found:
-            return []
+            return self.remarks
         first, names = int(strange.any(axis=1).argmax()), [self.columns[i].name for i in found]
         more = f" and {len(names) - 5} more signals" if len(names) > 5 else ""
-        return [f"{', '.join(names[:5])}{more} {'is' if len(names) == 1 else 'are'} nan or infinite, first at "
+        return [*self.remarks,
+                f"{', '.join(names[:5])}{more} {'is' if len(names) == 1 else 'are'} nan or infinite, first at "
                 f"t = {self.time[first]:.6g} s: figures made of them tell nothing."]
+
+    def check_interrupted(self) -> None:
+        """Raises Interrupted if a signal asked for an end. For programs that fly many."""
+        if self.interrupted:
+            raise Interrupted(self.message or "Interrupted when the flight had ended.", self.interrupted)
 
     @property
     def outcome(self) -> str:
@@ -161,25 +173,41 @@ Begun = Callable[[Flight, dict[tuple[int, int], tuple[str, str, int]]], None]
 Flown = Callable[[Flight], None]
 
 
-def tick_count(step: float, stop: float) -> int:
-    """Whole number of communication steps to `stop`; UsageError if it is none, or not sensible."""
-    if not (0 < step < float("inf") and 0 < stop < float("inf")):
+def tick_count(step: float, stop: float, start: float = 0.0) -> int:
+    """Whole number of communication steps from `start` to `stop`; UsageError if it is none, or not sensible."""
+    if not isfinite(start):
+        raise UsageError(f"--start {start:g} must be a finite number of seconds.")
+    if start == 0 and not (0 < step < inf and 0 < stop < inf):
         raise UsageError(f"--step {step:g} and --stop {stop:g} must be positive numbers of seconds.")
-    count = round(stop / step)
-    if count < 1 or abs(count * step - stop) > 1e-6 * step:
-        raise UsageError(f"--stop {stop:g} s is not a whole number of communication steps of {step:g} s.")
+    if not 0 < step < inf:
+        raise UsageError(f"--step {step:g} must be a positive number of seconds.")
+    if not start < stop < inf:
+        raise UsageError(f"--stop {stop:g} s must be after the start at {start:g} s.")
+    if not (stop - start) / step <= MOST_TICKS:
+        raise UsageError(f"--stop {stop:g} s is more than {MOST_TICKS:g} communication steps of {step:g} s.")
+    count = round((stop - start) / step)
+    if count < 1 or abs(count * step - (stop - start)) > 1e-6 * step:
+        since = f" from the start at {start:g} s" if start else ""
+        raise UsageError(f"--stop {stop:g} s is not a whole number of communication steps of {step:g} s{since}.")
     return count
 
 
-def fly(system: System, step: float, stop: float, algorithm: str | Method = "gauss-seidel",
-        progress: Progress | None = None, *, record: list[str] | None = None, decimate: int = 1,
-        plain: bool = False, real_time: float | None = None, stream: Path | None = None,
-        recorder: MakeRecorder | None = None, begun: Begun | None = None, flown: Flown | None = None) -> Flight:
-    """Fly `system` from 0 to `stop` (s) in communication steps of `step` (s).
+def row_count(step: float, stop: float, decimate: int, start: float = 0.0) -> int:
+    """Rows of a flight that takes all steps. Raises what `tick_count` raises."""
+    return tick_count(step, stop, start) // decimate + 2
 
-    `algorithm` is a word as in `algorithms.method`. `record` picks the variables to keep, by component.variable with *
-    for any (None: all numeric outputs), `decimate` every how many ticks; `stream` is a Parquet file to
-    write them to as they come, and then memory keeps a part only. `plain` takes the tick loop in Python. `real_time`
+
+def fly(system: System, step: float, stop: float, algorithm: str | Method = "gauss-seidel",
+        progress: Progress | None = None, *, start: float | None = None, tolerance: float | None = None,
+        record: list[str] | None = None, decimate: int = 1, plain: bool = False,
+        real_time: float | None = None, stream: Path | None = None, recorder: MakeRecorder | None = None,
+        begun: Begun | None = None, flown: Flown | None = None) -> Flight:
+    """Fly `system` from `start` (None: the system's) to `stop` (s) in communication steps of `step` (s).
+
+    `algorithm` is a word as in `algorithms.method`. `tolerance` is the relative one that FMUs are asked to keep (None:
+    what each declares in its default experiment). `record` picks the variables to keep, by component.variable with *
+    for any (None: all numeric outputs), `decimate` every how many ticks; `stream` is a file to write them to as they
+    come, see `recording.Stream`, and then memory keeps a part only. `plain` takes the tick loop in Python. `real_time`
     paces the run, times that factor. `recorder` makes another place for the rows, and `begun` is told before the first
     tick what is known by then, with the FMU calls of the programs; `flown` is told the flight before its FMUs
     are ended.
@@ -192,14 +220,18 @@ def fly(system: System, step: float, stop: float, algorithm: str | Method = "gau
     FMUs cannot be started.
     """
     chosen = algorithm if isinstance(algorithm, Method) else method(algorithm)
-    ticks = tick_count(step, stop)
+    start = system.start if start is None else start
+    ticks = tick_count(step, stop, start)
+    if tolerance is not None and not 0 < tolerance < inf:
+        raise UsageError(f"--tolerance {tolerance:g} must be a positive number.")
     began = time.perf_counter()
     with open_files(system) as files:
-        master = Master(system, files, record, plain, decimate > 1)
+        master = Master(system, files, record, plain, decimate > 1, tolerance)
         try:
             flight = fly_loaded(master, chosen, step, ticks, progress, decimate, real_time,
-                                recorder(master.columns) if recorder else make_recorder(master.columns, stream),
-                                begun, began)
+                                recorder(master.columns) if recorder else make_recorder(
+                                    master.columns, stream, row_count(step, stop, decimate, start)),
+                                begun, began, start)
             if flown:
                 flown(flight)
             return flight
@@ -207,91 +239,97 @@ def fly(system: System, step: float, stop: float, algorithm: str | Method = "gau
             master.close()
 
 
-def make_recorder(columns: list[Signal], stream: Path | None) -> Recorder:
-    """Rows into memory, or into the Parquet file `stream`."""
-    return Recorder(columns) if stream is None else Stream(columns, stream)
+def make_recorder(columns: list[Signal], stream: Path | None, rows: int) -> Recorder:
+    """Rows into memory, or into the file `stream`. Raises UsageError if so many would not fit in memory."""
+    if stream is not None:
+        return Stream(columns, stream)
+    need, free = COPIES * 8 * rows * (len(columns) + 1), free_memory()
+    if need > free:
+        raise UsageError(f"--step and --stop give {rows - 1:.3g} rows of {len(columns)} signals. They need "
+                         f"{need / 1e9:.3g} GB of memory, and {free / 1e9:.3g} GB are free. Use --stream.")
+    return Recorder(columns)
 
 
 def fly_loaded(master: Master, chosen: Method, step: float, ticks: int, progress: Progress | None = None,
                decimate: int = 1, real_time: float | None = None, recorder: Recorder | None = None,
-               begun: Begun | None = None, began: float | None = None) -> Flight:
-    """The same with FMUs that are loaded, or were reset (`Master.reset`)."""
+               begun: Begun | None = None, began: float | None = None, start: float = 0.0) -> Flight:
+    """The same with FMUs that are loaded, or were reset (`Master.reset`), from `start` (s) on."""
     began = time.perf_counter() if began is None else began
     recorder = recorder or Recorder(master.columns)
-    experiment = Experiment(0.0, step, ticks, recorder, decimate)
+    experiment = Experiment(start, step, ticks, recorder, decimate)
     try:
         if real_time is not None and not 0 < real_time < float("inf"):
             raise UsageError(f"--real-time {real_time:g} must be a positive number.")
         running = chosen.algorithm(master, chosen.options, experiment)
-        master.initialise(0.0, experiment.stop)
+        master.initialise(start, experiment.stop)
         flight = Flight(time=np.empty(0), signals=np.empty((0, len(master.columns))), columns=master.columns,
                         finished=False, message="", startup_s=0.0, wall_s=0.0,
                         parameters={i.name: inquire(i) for i in master.instances}, fmus=origins(master),
                         periods=chosen.periods(step))
         flight.startup_s = time.perf_counter() - began
+        recorder.about(known_of(flight))
         if begun:
             begun(flight, master.calls())
-        recorder.add(0.0, master.row())
+        recorder.add(start, master.row())
     except BaseException:
         recorder.abandon()
         raise
     pace = Pace(real_time, step) if real_time else None
     began = time.perf_counter()
-    flight.message, flight.ended_at = advance(running, experiment, progress, pace)
-    flight.wall_s = time.perf_counter() - began
-    flight.time, flight.signals = recorder.finish()
-    flight.finished, flight.ticks = not flight.message or flight.ended_at is not None, running.ticks
-    flight.reached = running.time if flight.ended_at is None else flight.ended_at
+    with interruptions() as interrupted:
+        flight.message, flight.ended_at = advance(running, experiment, progress, pace, interrupted)
+        flight.wall_s = time.perf_counter() - began
+        flight.finished, flight.ticks = not flight.message or flight.ended_at is not None, running.ticks
+        flight.reached = running.time if flight.ended_at is None else flight.ended_at
+        take_rows(flight, recorder)
+    flight.interrupted = interrupted[0] if interrupted else 0
     flight.lateness = pace.report() if pace else None
     return flight
 
 
-def advance(algorithm: Algorithm, experiment: Experiment, progress: Progress | None, pace: Pace | None
-            ) -> tuple[str, float | None]:
-    """Advance to the stop in chunks of about CHUNK_S; why it ended early, or an empty text, and the time (s) at which
-    an FMU ended the simulation if one did."""
+def known_of(flight: Flight) -> dict[str, Any]:
+    """What is known of a flight before its first row, as JSON goes."""
+    return {"fmus": flight.fmus, "parameters": flight.parameters, "periods": flight.periods,
+            "startup_s": flight.startup_s}
+
+
+def take_rows(flight: Flight, recorder: Recorder) -> None:
+    """End the recording. A flight whose rows did not all find room is not finished."""
+    flight.time, flight.signals = recorder.finish()
+    if recorder.trouble:
+        flight.finished = False
+        flight.message = f"{flight.message.rstrip('.')}; {recorder.trouble}" if flight.message else recorder.trouble
+
+
+def advance(algorithm: Algorithm, experiment: Experiment, progress: Progress | None, pace: Pace | None,
+            interrupted: list[int]) -> tuple[str, float | None]:
+    """Advance to the stop in chunks of about CHUNK_S, until there is something in `interrupted`; why it ended early, or
+    an empty text, and the time (s) at which an FMU ended the simulation if one did."""
     most, limit = 16, CHUNK_ROWS * experiment.decimate
-    with interruptions() as interrupted:
-        try:
-            while not algorithm.done:
-                if interrupted:
-                    return f"Interrupted at t = {algorithm.time:.6g} s.", None
-                if pace:
-                    pace.wait(algorithm.time, interrupted)
-                chunk = time.perf_counter()
-                algorithm.advance(1 if pace else most)
-                took = time.perf_counter() - chunk
-                most = max(1, min(int(most * min(4.0, CHUNK_S / max(took, 1e-9))), limit))
-                if progress:
-                    progress(algorithm.time)
-        except Ended as end:
-            return str(end), end.time
-        except RunError as error:
-            return str(error), None
-    return "", None
-
-
-@contextmanager
-def interruptions() -> Iterator[list[int]]:
-    """Ctrl-C and SIGTERM as entries of a list, so that no FMU is torn out of a call; a Python FMU would take the
-    exception for its own failure."""
-    caught: list[int] = []
-    if threading.current_thread() is not threading.main_thread():
-        yield caught
-        return
-    previous = {s: signal.signal(s, lambda number, _: caught.append(number)) for s in (signal.SIGINT, signal.SIGTERM)}
     try:
-        yield caught
-    finally:
-        for number, handler in previous.items():
-            signal.signal(number, handler)
+        while not algorithm.done:
+            if interrupted:
+                return f"Interrupted at t = {algorithm.time:.6g} s.", None
+            if pace:
+                pace.wait(algorithm.time, interrupted)
+            chunk = time.perf_counter()
+            algorithm.advance(1 if pace else most)
+            took = time.perf_counter() - chunk
+            most = max(1, min(int(most * min(4.0, CHUNK_S / max(took, 1e-9))), limit))
+            if progress:
+                progress(algorithm.time)
+    except Ended as end:
+        return str(end), end.time
+    except RunError as error:
+        return str(error), None
+    return "", None
 
 
 def inquire(instance: Instance) -> dict[str, Any]:
     """All parameters of a component with the values it flies with."""
     file = instance.file
-    names = [n for causality in ("parameter", "calculatedParameter") for n in file.names(causality)
-             if file.variables[n].type != "String"]
+    names = [n for causality in ("structuralParameter", "parameter", "calculatedParameter")
+             for n in file.names(causality) if file.variables[n].family in NUMERIC]
     return dict(zip(names, instance.get(names)))
 
 
@@ -302,6 +340,6 @@ def origins(master: Master) -> dict[str, dict[str, str]]:
         file = master.files[component.name]
         said = file.description.attributes
         found[component.name] = {"file": str(component.fmu), "model": said.get("modelName", ""),
-                                 "guid": said.get("guid", ""), "sha256": file.sha256,
+                                 "guid": said.get("guid", said.get("instantiationToken", "")), "sha256": file.sha256,
                                  "generation_tool": said.get("generationTool", "")}
     return found

@@ -1,28 +1,34 @@
 """One FMU file: what it declares."""
 import hashlib
 import math
-import shutil
-import tempfile
+import re
+from collections.abc import Iterable
 from dataclasses import dataclass, field
+from os.path import isfile
 from pathlib import Path, PurePosixPath
+from typing import Any
+
+import numpy as np
 
 from ..errors import UsageError, did_you_mean
+from ..temporary import Folder
 from ..text import printable
-from .declared import Variable
+from .declared import Variable, is_true
 from .description import Description, read, usable
 from .parameter_set import parameters
+from .program import DTYPES
 from .quantities import in_unit_of
+from .standards import standard
 from .system import Value
 from .unpack import BadArchive, open_archive, read_member, safe_extract
 from .xml_file import SSV, parse
 
-CALL_SUFFIX = {"Real": "Real", "Integer": "Integer", "Enumeration": "Integer", "Boolean": "Boolean", "String": "String"}
-WHOLES = -2 ** 31, 2 ** 31 - 1  # what an fmi2Integer can be
+VERSIONS = re.compile(r"2\.0|3\.\d+(\.\d+)?")
 
 
 def existing(path: Path) -> Path:
     """`path` itself. Raises UsageError if there is no such file."""
-    if not path.is_file():
+    if not isfile(path):
         raise UsageError(f"There is no FMU at {path}; `ahv build` writes the FMUs of this project.")
     return path
 
@@ -61,6 +67,25 @@ def text(value: str, name: str) -> str:
     return value
 
 
+def limits(version: str, kind: str) -> tuple[float, float]:
+    """The least and the greatest value of a number of this type in this version of FMI."""
+    dtype: Any = DTYPES[standard(version).TYPES[kind][1]]
+    if np.issubdtype(dtype, np.floating):
+        return float(np.finfo(dtype).min), float(np.finfo(dtype).max)
+    return int(np.iinfo(dtype).min), int(np.iinfo(dtype).max)
+
+
+def unflyable(description: Description) -> str:
+    """Why an FMU cannot be flown here, a sentence without its subject and full stop; empty if it can."""
+    version = description.version
+    if not VERSIONS.fullmatch(version):
+        return f"is FMI {version}; co-simulation FMUs of FMI 2.0 and 3.0 are what runs here"
+    if description.co_simulation is None:
+        return f"is FMI {version} without co-simulation; co-simulation FMUs of FMI 2.0 and 3.0 are what runs here"
+    clock = next((v for v in description.variables if v.type == "Clock" and v.causality == "input"), None)
+    return f"needs its clock {clock.name} to tick; input clocks are not served here" if clock else ""
+
+
 @dataclass
 class FmuFile:
     """An extracted FMU. Use as a context manager: the extraction folder goes with it.
@@ -68,42 +93,53 @@ class FmuFile:
     `corrupted` is set when an instance answers Fatal: no function of any of its instances may be called then.
     """
     path: Path
-    folder: Path
+    extracted: Folder
     description: Description
     sha256: str
-    variables: dict[str, Variable] = field(init=False)
+    scalars: list[Variable] = field(init=False)         # in the description's order, arrays as their elements
+    variables: dict[str, Variable] = field(init=False)  # those and, of FMI 3.0, the aliases, by name
+    arrays: dict[str, list[str]] = field(init=False)    # of FMI 3.0: the names of their elements, in order
     corrupted: bool = False
 
     def __post_init__(self) -> None:
-        self.variables = {v.name: v for v in self.description.variables}
+        listed = [[*v.elements()] for v in self.description.variables]
+        self.scalars = [v for elements in listed for v in elements]
+        self.variables = {v.name: v for v in self.scalars}
+        for alias in self.description.aliases:
+            self.variables.update((v.name, v) for v in alias.elements() if v.name not in self.variables)
+        self.arrays = {}
+        for v in self.variables.values():
+            if v.array:
+                self.arrays.setdefault(v.array, []).append(v.name)
 
     @classmethod
     def open(cls, path: Path) -> "FmuFile":
         """Extract and read `path`.
 
-        Raises UsageError if it is missing or no FMI 2.0 co-simulation FMU.
+        Raises UsageError if it is missing, no co-simulation FMU of FMI 2.0 or 3.0, or needs clocks.
         """
         existing(path)
-        folder = Path(tempfile.mkdtemp(prefix="ahv_"))
+        folder = Folder()
         try:
-            safe_extract(path, folder)
-            description = read(folder)
+            safe_extract(path, folder.path)
+            description = read(folder.path)
+            if reason := unflyable(description):
+                raise UsageError(f"{path} {reason}.")
+            assert description.co_simulation is not None
+            identifier = description.co_simulation.get("modelIdentifier", "")
+            if not identifier.isprintable() or set(identifier) & set("/\\"):  # it names the library that is loaded
+                raise UsageError(f"{path} cannot be opened: its modelIdentifier '{printable(identifier)}' is no name "
+                                 f"of a file in the FMU.")
+            return cls(path, folder, description, hashlib.sha256(path.read_bytes()).hexdigest())
         except BadArchive as error:
-            shutil.rmtree(folder, ignore_errors=True)
+            folder.close()
             raise UsageError(f"{path} cannot be opened: {error}.") from None
         except ValueError as error:
-            shutil.rmtree(folder, ignore_errors=True)
+            folder.close()
             raise UsageError(f"{path} cannot be read as an FMU: {error}.") from None
-        if description.version != "2.0" or description.co_simulation is None:
-            shutil.rmtree(folder, ignore_errors=True)
-            raise UsageError(f"{path} is FMI {description.version} or has no co-simulation interface; "
-                             f"FMI 2.0 co-simulation is what runs here.")
-        identifier = description.co_simulation.get("modelIdentifier", "")
-        if not identifier.isprintable() or set(identifier) & set("/\\"):  # it names the library that is loaded
-            shutil.rmtree(folder, ignore_errors=True)
-            raise UsageError(f"{path} cannot be opened: its modelIdentifier '{printable(identifier)}' is no name of a "
-                             f"file in the FMU.")
-        return cls(path, folder, description, hashlib.sha256(path.read_bytes()).hexdigest())
+        except BaseException:
+            folder.close()
+            raise
 
     def __enter__(self) -> "FmuFile":
         return self
@@ -113,10 +149,18 @@ class FmuFile:
 
     def close(self) -> None:
         """Remove the extracted files."""
-        shutil.rmtree(self.folder, ignore_errors=True)
+        self.extracted.close()
+
+    @property
+    def folder(self) -> Path:
+        """Where it is extracted."""
+        return self.extracted.path
 
     def variable(self, name: str) -> Variable:
         """The variable called `name`; UsageError suggests the nearest one if there is none."""
+        if name in self.arrays:
+            first, *_, last = *self.arrays[name], self.arrays[name][-1]
+            raise UsageError(f"{self.path.name} has the array {name}: name one of its elements, {first} to {last}.")
         if name not in self.variables:
             raise UsageError(f"{self.path.name} has no variable {name}{did_you_mean(name, self.variables)}")
         return self.variables[name]
@@ -127,8 +171,31 @@ class FmuFile:
         return (self.description.co_simulation or {}).get("modelIdentifier", "")
 
     def names(self, causality: str) -> list[str]:
-        """The variables of a causality, in the order of the description."""
-        return [v.name for v in self.description.variables if v.causality == causality]
+        """The variables of a causality, in the order of the description, arrays as their elements."""
+        return [v.name for v in self.scalars if v.causality == causality]
+
+    def together(self, names: Iterable[str]) -> list[str]:
+        """`names` with all elements of the arrays that they are in, which one call moves: each array's in a row."""
+        found: dict[str, None] = {}
+        for name in names:
+            found.update(dict.fromkeys(self.arrays.get(self.variables[name].array, [name])))
+        return list(found)
+
+    def references(self, names: Iterable[str]) -> list[int]:
+        """The value references of `names`, which have whole arrays in a row; one of each array."""
+        return [v.reference or 0 for v in map(self.variables.__getitem__, names) if v.place == 0]
+
+    def start(self, name: str) -> Value:
+        """The start value of a variable in its type; 0, false or an empty text without a sensible one."""
+        v = self.variables[name]
+        if v.family == "String":
+            return v.start or ""
+        if v.family == "Boolean":
+            return is_true(v.start)
+        try:
+            return float(v.start or 0.0) if v.family == "Real" else int(v.start or 0)
+        except ValueError:
+            return 0
 
     def preset(self, name: str) -> dict[str, Value]:
         """The values of a preset, see `preset`."""
@@ -140,28 +207,38 @@ class FmuFile:
         full = f"{component}.{name}"
         if not settable(v):
             raise UsageError(f"{full} is an {v.causality} and cannot be set.")
-        if v.type == "String":
+        if v.family in ("Binary", "Clock"):
+            raise UsageError(f"{full} is a {v.family}, which cannot be set here.")
+        if v.causality == "structuralParameter":
+            raise UsageError(f"{full} is a structural parameter: sizes are flown as the FMU declares them.")
+        if v.family == "String":
             return text(str(value), full)
-        if v.type == "Boolean":
+        if v.family == "Boolean":
             words = {"true": True, "1": True, "1.0": True, "false": False, "0": False, "0.0": False}
             if str(value).lower() not in words:
                 raise UsageError(f"{full} = {value} is not allowed: it is true or false.")
             return words[str(value).lower()]
         if isinstance(value, str):
             value = in_unit_of(v, self.description, value, full)
+        if isinstance(value, str) and v.family != "Real" and re.fullmatch(r"[+-]?\d{1,30}", value.strip()):
+            value = int(value)  # all its digits, which a float may not have
         try:
-            number = float(value)
+            size = float(value)
         except (TypeError, ValueError, OverflowError):
             raise UsageError(f"{full} = {value} is not allowed: it must be a number.") from None
         low = -math.inf if v.min is None else v.min
         high = math.inf if v.max is None else v.max
-        if not math.isfinite(number) or not low <= number <= high:
+        if not math.isfinite(size) or not low <= size <= high:
             unit = f" {v.unit}" if v.unit and v.unit != "1" else ""
             raise UsageError(f"{full} = {value} is not allowed: it must be between {low:g} and {high:g}{unit}.")
-        if v.type == "Real":
-            return number
-        if number != int(number):
+        least, most = limits(self.description.version, v.type)
+        if v.family == "Real":
+            if not least <= size <= most:
+                raise UsageError(f"{full} = {value} is not allowed: it must be between {least:g} and {most:g}.")
+            return size
+        whole = value if isinstance(value, int) else int(size)
+        if not isinstance(value, int) and size != whole:
             raise UsageError(f"{full} = {value} is not allowed: it must be a whole number.")
-        if not WHOLES[0] <= number <= WHOLES[1]:
-            raise UsageError(f"{full} = {value} is not allowed: it must be between {WHOLES[0]} and {WHOLES[1]}.")
-        return int(number)
+        if not least <= whole <= most:
+            raise UsageError(f"{full} = {value} is not allowed: it must be between {least} and {most}.")
+        return int(whole)

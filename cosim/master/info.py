@@ -1,11 +1,11 @@
 """What an FMU says of itself, of any FMI version: its variables, presets, platforms and capabilities."""
-import tempfile
 from dataclasses import asdict, dataclass
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
 from ..errors import UsageError, did_you_mean
+from ..temporary import Folder
 from ..text import html_table, html_text, printable, text_table
 from .declared import Variable as Declared
 from .declared import is_true, number
@@ -103,10 +103,10 @@ def info(path: str | PathLike[str]) -> FmuInfo:
     Raises UsageError if there is no such file, or if it cannot be read as an FMU.
     """
     path = as_path(path)
-    with tempfile.TemporaryDirectory(prefix="ahv_info_") as folder:
+    with Folder() as folder:
         try:
-            members = safe_extract(path, Path(folder))
-            return described(path, read(Path(folder)), members)
+            members = safe_extract(path, folder.path)
+            return described(path, read(folder.path), members)
         except BadArchive as error:
             raise UsageError(f"{path} cannot be opened: {error}.") from None
         except ValueError as error:

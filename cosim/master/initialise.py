@@ -8,6 +8,7 @@ from itertools import groupby
 import numpy as np
 
 from ..errors import RunError
+from .declared import number
 from .dependencies import strongly_connected, value_needs
 from .fmu import FmuFile
 from .instance import Instance
@@ -57,7 +58,8 @@ class Exchange:
         for full, name in zip(batch, names):
             link = self.targets[full]
             value = self.known[link.source]
-            values[name] = value if isinstance(value, str) else link.factor * value + link.offset
+            same = isinstance(value, str) or (link.factor, link.offset) == (1.0, 0.0)  # all digits of a whole number
+            values[name] = value if same else link.factor * float(value) + link.offset
         instance.set(values)
 
     def numbers(self, names: list[str]) -> np.ndarray:
@@ -95,14 +97,15 @@ class Exchange:
 
 
 def initialise(system: System, instances: Mapping[str, Instance], targets: Mapping[str, Connection],
-               start: float, stop: float) -> None:
-    """From instantiated, with parameters set, to ready to step.
+               start: float, stop: float, tolerance: float | None = None) -> None:
+    """From instantiated, with parameters set, to ready to step. Times in s; the relative tolerance is each FMU's own,
+    of its default experiment, if it is None.
 
     Raises RunError if an FMU refuses, or if the values of a loop do not settle.
     """
     for instance in instances.values():
-        instance.setup(start, stop)
-        instance.simple("fmi2EnterInitializationMode")
+        own = number(instance.file.description.experiment.get("tolerance"))
+        instance.enter(start, stop, own if tolerance is None else tolerance)
     exchange = Exchange(instances, targets)
     for batches in order(system, {n: i.file for n, i in instances.items()}, targets):
         if len(batches) == 1:
@@ -110,4 +113,4 @@ def initialise(system: System, instances: Mapping[str, Instance], targets: Mappi
         else:
             exchange.settle(batches)
     for instance in instances.values():
-        instance.simple("fmi2ExitInitializationMode")
+        instance.leave(start)

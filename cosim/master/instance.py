@@ -1,73 +1,23 @@
-"""A running instance of an FMU: fmpy loads and instantiates it, calls go to the raw functions."""
+"""A running instance of an FMU: its library loaded, calls go to the raw functions."""
 import ctypes
-import math
 from collections.abc import Iterable
-from dataclasses import dataclass, field
-from itertools import count
 from typing import Any
 
 import fmpy
 import numpy as np
-from fmpy.fmi2 import (
-    FMU2Slave,
-    fmi2CallbackAllocateMemoryTYPE,
-    fmi2CallbackFreeMemoryTYPE,
-    fmi2CallbackFunctions,
-    fmi2CallbackLoggerTYPE,
-    fmi2StepFinishedTYPE,
-)
-from fmpy.logging import addLoggerProxy
 
 from ..errors import RunError, UsageError
 from . import last_call
-from .fmu import CALL_SUFFIX, FmuFile
+from .fmu import FmuFile
+from .library import Library
+from .logger import ENVIRONMENTS, NUMBERS, Environment
+from .program import DISCARD, DTYPES, FATAL, OK, WARNING
+from .standards import standard
 from .system import Value
 
-OK, WARNING, DISCARD, ERROR, FATAL = range(5)
 STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
-LAST_SUCCESSFUL_TIME, TERMINATED = 2, 3  # fmi2StatusKind
-MOST_MESSAGES = 1000
 SIZE, ADDRESS = ctypes.c_size_t, ctypes.c_void_p
-
-
-@dataclass
-class Environment:
-    """What the logger is told of an instance by its componentEnvironment: whose messages these are."""
-    name: bytes
-    callbacks: fmi2CallbackFunctions
-    messages: list[str] = field(default_factory=list)  # those of a status other than OK
-
-
-ENVIRONMENTS: dict[int, Environment] = {}  # componentEnvironment -> the instance's; one that cannot be freed stays
-NUMBERS = count(1)
-
-
-def log(environment: int | None, instance: bytes | None, status: int, _category: bytes, message: bytes | None) -> None:
-    """The logger of all instances: keeps messages of a status other than OK."""
-    if status == OK:
-        return
-    text = (message or b"").decode("utf-8", "replace")
-    last_call.logged(text)
-    mine = ENVIRONMENTS.get(environment or 0)
-    if mine is None:  # the FMU hands on something else: its name has to do
-        mine = next((e for e in reversed(ENVIRONMENTS.values()) if e.name == instance), None)
-    if mine and len(mine.messages) < MOST_MESSAGES:
-        mine.messages.append(text)
-
-
-def make_callbacks() -> fmi2CallbackFunctions:
-    """The callbacks that all instances are given."""
-    callbacks = fmi2CallbackFunctions()
-    callbacks.logger = fmi2CallbackLoggerTYPE(log)
-    callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(fmpy.calloc)
-    callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(fmpy.free)
-    callbacks.stepFinished = fmi2StepFinishedTYPE()
-    addLoggerProxy(ctypes.byref(callbacks))  # formats printf-style messages; there is one per process
-    return callbacks
-
-
-CALLBACKS = make_callbacks()
-ONLY_ONE: dict[str, str] = {}  # GUID of an FMU that allows one instance in a process -> the name of that instance
+ONLY_ONE: dict[str, str] = {}  # token of an FMU that allows one instance in a process -> the name of that instance
 
 
 class Instance:
@@ -82,21 +32,24 @@ class Instance:
         Raises RunError if that fails, UsageError if the FMU allows one instance in a process and there is one.
         """
         self.file, self.name = file, name
+        self.standard = standard(file.description.version)
         self.open, self.stepping, self.failed = False, False, False
-        self.only_one, guid = self.claims("canBeInstantiatedOnlyOncePerProcess"), self.guid
-        if self.only_one and guid in ONLY_ONE:
-            raise UsageError(f"{self.label} cannot be instantiated beside {ONLY_ONE[guid]}: the FMU allows only one "
-                             f"instance in a process (canBeInstantiatedOnlyOncePerProcess).")
+        self.events: np.ndarray | None = None        # its row of `wiring.events`
+        self.given: dict[str, Value] = {}            # elements of arrays that have been set
+        self.only_one, self.token = self.claims("canBeInstantiatedOnlyOncePerProcess"), self.said(self.standard.TOKEN)
+        if self.only_one and self.token in ONLY_ONE:
+            raise UsageError(f"{self.label} cannot be instantiated beside {ONLY_ONE[self.token]}: the FMU allows only "
+                             f"one instance in a process (canBeInstantiatedOnlyOncePerProcess).")
         self.number = next(NUMBERS)
-        callbacks = fmi2CallbackFunctions.from_buffer_copy(CALLBACKS)
-        callbacks.componentEnvironment = self.number
-        self.messages = ENVIRONMENTS.setdefault(self.number, Environment(name.encode(), callbacks)).messages
-        last_call.begin(f"{self.label}: fmi2Instantiate")
+        self.messages = ENVIRONMENTS.setdefault(self.number, Environment(name.encode())).messages
+        last_call.begin(f"{self.label}: {self.standard.PREFIX}Instantiate")
         try:
-            self.slave = FMU2Slave(guid=guid, unzipDirectory=str(file.folder), instanceName=name,
-                                   modelIdentifier=file.identifier)
-            self.slave.instantiate(callbacks=callbacks, loggingOn=True)
-        except Exception as error:
+            self.library = Library(file.folder.resolve() / "binaries" / self.standard.PLATFORM
+                                   / f"{file.identifier}{fmpy.sharedLibraryExtension}")
+            made = self.standard.instantiate(self)
+            if not made:
+                raise OSError("Failed to instantiate model")
+        except (OSError, AttributeError) as error:
             message = f" It said: {self.messages[-1]}" if self.messages else ""
             ENVIRONMENTS.pop(self.number)
             raise RunError(f"{self.label} cannot be instantiated: {error}{message}") from error
@@ -104,10 +57,9 @@ class Instance:
             last_call.end()
         self.open = True
         if self.only_one:
-            ONLY_ONE[guid] = name
-        self.component = ctypes.c_void_p(self.slave.component)
-        self.pointer = int(self.slave.component)
-        self.do_step = self.function("fmi2DoStep", ctypes.c_double, ctypes.c_double, ctypes.c_int)
+            ONLY_ONE[self.token] = name
+        self.component, self.pointer = ctypes.c_void_p(made), made
+        self.uses_events = self.standard.uses_events(self)
 
     @property
     def label(self) -> str:
@@ -127,26 +79,32 @@ class Instance:
 
     # --- raw calls ------------------------------------------------------------------------------------
 
-    @property
-    def guid(self) -> str:
-        """What the FMU calls itself."""
-        return self.file.description.attributes.get("guid", "")
+    def said(self, attribute: str) -> str:
+        """An attribute of the FMU's description; empty if it has none."""
+        return self.file.description.attributes.get(attribute, "")
 
     def claims(self, flag: str) -> bool:
-        """Whether the FMU claims a capability of co-simulation (FMI 2.0 section 4.3.1)."""
+        """Whether the FMU claims a capability of co-simulation (FMI 2.0 section 4.3.1), by its name in FMI 2.0."""
         return self.file.description.claims(flag)
 
     def function(self, name: str, *argument_types: Any) -> Any:
-        """A C function of the library that takes the instance first and returns a status."""
-        function = self.slave.dll[name]
-        function.argtypes = [ctypes.c_void_p, *argument_types]
-        function.restype = ctypes.c_int
-        return function
+        """A C function of the library that takes the instance first and returns a status.
+
+        Raises RunError if the FMU's library has none.
+        """
+        try:
+            return self.library.function(name, ctypes.c_int, ctypes.c_void_p, *argument_types)
+        except AttributeError:
+            raise RunError(f"{self.label} has no {name} in its library.") from None
 
     def address(self, name: str) -> int:
-        """Where the function called `name` is. Raises RunError if the FMU's library has none."""
+        """Where the function is that the standard calls `name` after its prefix, such as DoStep.
+
+        Raises RunError if the FMU's library has none.
+        """
+        name = self.standard.PREFIX + name
         try:
-            return ctypes.cast(self.slave.dll[name], ctypes.c_void_p).value or 0
+            return self.library.address(name)
         except AttributeError:
             raise RunError(f"{self.label} claims {name}, and its library lacks it.") from None
 
@@ -184,25 +142,36 @@ class Instance:
     # --- values ---------------------------------------------------------------------------------------
 
     def transfer(self, verb: str, names: list[str], values: Iterable[Value] | None) -> list[Any]:
-        """Get or set variables of any type by name, one call per type; values in the order of `names`."""
+        """Get or set variables of any type by name, one call per type; values in the order of `names`.
+
+        Arrays move as a whole: elements that are not given are set to what they were set to last, or start with.
+        """
         given = dict(zip(names, values)) if values is not None else {}
+        self.given.update((n, x) for n, x in given.items() if self.file.variables[n].array)
         result: dict[str, Any] = {}
-        for kind, suffix in CALL_SUFFIX.items():
-            group = [n for n in names if self.file.variable(n).type == kind]
-            if not group:
-                continue
-            references = np.array([self.file.variables[n].reference for n in group], dtype=np.uint32)
-            buffer = np.zeros(len(group), dtype={"Real": np.float64, "String": np.uintp}.get(kind, np.int32))
-            if kind == "String" and given:
-                texts = [ctypes.c_char_p(str(given[n]).encode()) for n in group]  # alive until the call has returned
+        alike: dict[tuple[str, int] | None, list[str]] = {}
+        for name in names:
+            alike.setdefault(self.standard.TYPES.get(self.file.variable(name).type), []).append(name)
+        for suffix, kind in (calls for calls in dict.fromkeys(self.standard.TYPES.values()) if calls in alike):
+            group = self.file.together(alike[suffix, kind])
+            references = np.array(self.file.references(group), dtype=np.uint32)
+            buffer = np.zeros(len(group), DTYPES[kind])
+            wanted = [given[n] if n in given else self.held(n) for n in group] if values is not None else []
+            if values is not None and suffix == "String":
+                texts = [ctypes.c_char_p(str(x).encode()) for x in wanted]  # alive until the call has returned
                 buffer[:] = [ctypes.cast(t, ctypes.c_void_p).value or 0 for t in texts]
-            elif given:
-                buffer[:] = [given[n] for n in group]
-            call = f"fmi2{verb}{suffix}"
-            status = self.call(call, ADDRESS(references.ctypes.data), SIZE(len(group)), ADDRESS(buffer.ctypes.data))
+            elif values is not None:
+                buffer = np.array(wanted, DTYPES[kind])
+            call = f"{self.standard.PREFIX}{verb}{suffix}"
+            arguments = ADDRESS(references.ctypes.data), SIZE(len(references)), ADDRESS(buffer.ctypes.data)
+            status = self.call(call, *arguments, *([SIZE(len(group))] if self.standard.COUNTS_VALUES else []))
             self.check(status, f"{call}({', '.join(group[:3])}{', ...' if group[3:] else ''})")
-            result.update(zip(group, shown(kind, buffer.tolist())))
+            result.update(zip(group, shown(suffix, buffer.tolist(), [self.file.variables[n].type for n in group])))
         return [result[n] for n in names]
+
+    def held(self, name: str) -> Value:
+        """What an element of an array was set to last, or starts with."""
+        return self.given.get(name, self.file.start(name))
 
     def get(self, names: Iterable[str]) -> list[Any]:
         """Values of the variables called `names`."""
@@ -214,62 +183,111 @@ class Instance:
 
     # --- life cycle -----------------------------------------------------------------------------------
 
-    def setup(self, start: float, stop: float) -> None:
+    def enter(self, start: float, stop: float, tolerance: float | None = None) -> None:
+        """From instantiated into Initialization Mode; times in s, a relative tolerance if there is one."""
+        self.standard.enter(self, start, stop, tolerance)
+
+    def leave(self, start: float) -> None:
+        """From Initialization Mode at `start` (s) to ready to step."""
+        self.standard.leave(self, start)
+
+    def reset(self) -> None:
+        """Back to instantiated."""
+        self.simple(f"{self.standard.PREFIX}Reset")
+        self.messages.clear()
+        self.given.clear()
+
+    def setup(self, start: float, stop: float, tolerance: float | None = None) -> None:
         """fmi2SetupExperiment; times in s."""
         real, flag = ctypes.c_double, ctypes.c_int
-        status = self.call("fmi2SetupExperiment", flag(0), real(0.0), real(start), flag(1), real(stop))
+        status = self.call("fmi2SetupExperiment", flag(tolerance is not None), real(tolerance or 0.0), real(start),
+                           flag(1), real(stop))
         self.check(status, "fmi2SetupExperiment")
 
     def simple(self, call: str) -> None:
         """Make a call that takes nothing but the instance, such as fmi2EnterInitializationMode."""
         self.check(self.call(call), call)
-        self.stepping = {"fmi2ExitInitializationMode": True, "fmi2Reset": False}.get(call, self.stepping)
-        self.failed = self.failed and call != "fmi2Reset"
+        self.stepping = {"ExitInitializationMode": True, "Reset": False}.get(call[4:], self.stepping)
+        self.failed = self.failed and not call.endswith("Reset")
 
     def ended_at(self, begun: float, until: float) -> float | None:
         """The time (s) at which the FMU ended the simulation in a step that it discarded, from `begun` to `until`.
 
         None if it did not, or does not say.
         """
-        ended, time = self.inquire("Boolean", TERMINATED, ctypes.c_int()), None
-        if ended:
-            time = self.inquire("Real", LAST_SUCCESSFUL_TIME, ctypes.c_double())
-        if not ended or not self.alive:
-            return None
-        return begun if time is None or not math.isfinite(time) else min(max(time, begun), until)
-
-    def inquire(self, kind: str, status: int, value: Any) -> Any:
-        """fmi2Get...Status into the ctypes `value`: what it is then, or None if the FMU refuses."""
-        answer = self.call(f"fmi2Get{kind}Status", ctypes.c_int(status), ADDRESS(ctypes.addressof(value)))
-        return value.value if answer in (OK, WARNING) else None
+        return self.standard.ended_at(self, begun, until)
 
     def free_state(self, place: int) -> None:
-        """fmi2FreeFMUstate of the state whose pointer is at the address `place`."""
-        self.call("fmi2FreeFMUstate", ADDRESS(place))
+        """Free the state whose pointer is at the address `place`."""
+        self.call(f"{self.standard.PREFIX}Free{self.standard.STATE}", ADDRESS(place))
+
+    def saved(self) -> bytes:
+        """The whole state of the FMU, to be given to `restore` of another instance of the same FMU.
+
+        Raises RunError if the FMU refuses, or does not claim canSerializeFMUstate.
+        """
+        place, size = self.place_of_state(), SIZE()
+        self.state_call("Get", place)
+        try:
+            self.state_call("Serialized", ctypes.c_void_p.from_address(place.value or 0), address_of(size), end="Size")
+            found = ctypes.create_string_buffer(size.value)
+            self.state_call("Serialize", ctypes.c_void_p.from_address(place.value or 0), address_of(found), size)
+        finally:
+            self.state_call("Free", place)
+        return found.raw
+
+    def restore(self, state: bytes) -> None:
+        """Be in a state that `saved` has given.
+
+        Raises RunError if the FMU refuses, or does not claim canSerializeFMUstate.
+        """
+        place, given = self.place_of_state(), ctypes.create_string_buffer(state, len(state))
+        self.state_call(self.standard.DESERIALIZE, address_of(given), SIZE(len(state)), place)
+        try:
+            self.state_call("Set", ctypes.c_void_p.from_address(place.value or 0))
+        finally:
+            self.state_call("Free", place)
+
+    def place_of_state(self) -> ctypes.c_void_p:
+        """Where the pointer to a state is to be put. Raises RunError if states cannot be serialised."""
+        if not self.claims("canSerializeFMUstate"):
+            raise RunError(f"{self.label} cannot save its state: it does not claim can"
+                           f"Serialize{self.standard.STATE}.")
+        self.state = ctypes.c_void_p()
+        return address_of(self.state)
+
+    def state_call(self, verb: str, *arguments: Any, end: str = "") -> None:
+        """Make a call about states, such as fmi2GetFMUstate."""
+        call = f"{self.standard.PREFIX}{verb}{self.standard.STATE}{end}"
+        self.check(self.call(call, *arguments), call)
 
     def close(self) -> None:
         """Terminate where the standard allows it, and free; after Fatal no call is allowed any more."""
+        prefix = self.standard.PREFIX
         if self.alive and self.stepping and not self.failed:
-            self.call("fmi2Terminate")
+            self.call(f"{prefix}Terminate")
         if self.alive:
-            last_call.begin(f"{self.label}: fmi2FreeInstance")
-            self.slave.fmi2FreeInstance(self.slave.component)
-            if hasattr(self.slave.dll, "finalizePythonInterpreter"):
+            last_call.begin(f"{self.label}: {prefix}FreeInstance")
+            self.library.function(f"{prefix}FreeInstance", None, ctypes.c_void_p)(self.component)
+            if self.library.has("finalizePythonInterpreter"):
                 # pythonfmu 0.7.0 does this as its library goes, after its static objects: a write to freed memory that
                 # can abort the process at its end. Done before, it finds nothing to do. The interpreter stays.
-                self.slave.dll.finalizePythonInterpreter()
-            self.slave.freeLibrary()
+                self.library.function("finalizePythonInterpreter", None)()
+            self.library.free()
             last_call.end()
             ENVIRONMENTS.pop(self.number)
         if self.open and self.only_one:
-            ONLY_ONE.pop(self.guid)
+            ONLY_ONE.pop(self.token)
         self.open = False
 
 
-def shown(kind: str, values: list[Any]) -> list[Any]:
-    """What fmi2Get... has left in a buffer, in the variable's type; a null pointer is an empty text."""
-    if kind == "Boolean":
-        return [bool(x) for x in values]
-    if kind == "String":
+def address_of(value: Any) -> ctypes.c_void_p:
+    """Where a ctypes value is."""
+    return ctypes.c_void_p(ctypes.addressof(value))
+
+
+def shown(suffix: str, values: list[Any], types: list[str]) -> list[Any]:
+    """What fmi2Get... has left in a buffer, in the variables' types; a null pointer is an empty text."""
+    if suffix == "String":
         return [ctypes.string_at(x).decode("utf-8", "replace") if x else "" for x in values]
-    return values
+    return [bool(x) if kind == "Boolean" else x for x, kind in zip(values, types)]

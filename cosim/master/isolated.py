@@ -1,7 +1,7 @@
 """A flight in a process of its own: an FMU that crashes or hangs ends the flight, not the program.
 
-The process is a fork, which sends recorded rows as they come. The FMU call that is under way is in shared memory, so
-that the message can name it; so are rows that were not sent yet.
+The process is a fork (see `guard`), which sends recorded rows as they come. The FMU call that is under way is in shared
+memory, so that the message can name it; so are rows that were not sent yet.
 """
 import os
 import signal
@@ -15,16 +15,19 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import RunError, UsageError
+from ..errors import Interrupted, RunError, UsageError
+from ..temporary import Folder
 from . import last_call
 from . import program as P
-from .flight import Flight, fly, interruptions, make_recorder
+from .flight import Flight, MakeRecorder, fly, known_of, make_recorder, row_count, take_rows
+from .guard import LOOK_S, Guarded
+from .interruptions import interruptions
 from .progress import Progress
-from .recording import CHUNK_ROWS, Recorder
+from .recording import CHUNK_ROWS, NoRoom, Recorder
 from .system import System
 from .wiring import Signal
 
-LOOK_S = 0.05
+GRACE_S = 0.3  # for a flight that was asked to end
 
 
 class Sender(Recorder):
@@ -35,7 +38,8 @@ class Sender(Recorder):
         self.end = end
         if (len(columns) + 1) * (CHUNK_ROWS + 1) <= len(place.doubles):
             self.times = place.doubles[:CHUNK_ROWS + 1]
-            self.rows = place.doubles[CHUNK_ROWS + 1:][:(CHUNK_ROWS + 1) * len(columns)].reshape(-1, len(columns))
+            self.rows = place.doubles[CHUNK_ROWS + 1:][:(CHUNK_ROWS + 1) * len(columns)].reshape(
+                CHUNK_ROWS + 1, len(columns))  # columns may be none, so -1 cannot be found out
 
     def keep(self, times: np.ndarray, rows: np.ndarray) -> None:
         self.end.send(("rows", times, rows))
@@ -56,29 +60,35 @@ class Sender(Recorder):
 
 def fly_isolated(system: System, step: float, stop: float, algorithm: str, progress: Progress | None = None,
                  time_limit: float | None = None, stream: Path | None = None, **options: Any) -> Flight:
-    """`flight.fly` in a process of its own. An FMU call that takes longer than `time_limit` (s) ends the flight.
+    """`flight.fly` in a process of its own. An FMU call that takes longer than `time_limit` (s) ends the flight; a
+    signal ends it within GRACE_S, in whatever call it is.
 
-    Raises what `fly` raises; RunError also for a crash or a hang before the first tick.
+    Raises what `fly` raises; RunError also for a crash or a hang before the first tick, Interrupted for a signal then.
     """
     if time_limit is not None and not time_limit > 0:
         raise UsageError(f"--time-limit {time_limit:g} must be a positive number of seconds.")
+    start = options.get("start")
+    rows = row_count(step, stop, options.get("decimate", 1), system.start if start is None else start)
     place = last_call.Place()
-    with tempfile.TemporaryDirectory(prefix="ahv_") as folder:  # what a crash leaves behind goes with it
-        ours, theirs = Pipe()
-        child = os.fork()
-        if child == 0:
-            run_child(theirs, place, folder, lambda begun: fly(
-                system, step, stop, algorithm, (lambda t: theirs.send(("progress", t))) if progress else None,
-                recorder=lambda columns: Sender(columns, theirs, place), begun=begun,
-                flown=lambda flight: theirs.send(("flown", flight)), **options))
+    with Folder() as folder, interruptions() as interrupted:  # what a crash leaves behind goes with the folder
+        ours, theirs = Pipe(duplex=False)
+        guarded = Guarded(lambda: run_child(theirs, place, folder.path, lambda begun: fly(
+            system, step, stop, algorithm, (lambda t: theirs.send(("progress", t))) if progress else None,
+            recorder=lambda columns: Sender(columns, theirs, place), begun=begun,
+            flown=lambda flight: theirs.send(("flown", flight)), **options)), folder.path, place.status, (ours, theirs))
         theirs.close()
-        return Parent(child, ours, place, stream, progress, time_limit).wait()
+        try:
+            return Parent(guarded, ours, place, lambda columns: make_recorder(columns, stream, rows), progress,
+                          time_limit, interrupted).wait()
+        finally:
+            guarded.end()
+            ours.close()
 
 
-def run_child(end: End, place: last_call.Place, folder: str, flight: Callable[[Any], Flight]) -> None:
+def run_child(end: End, place: last_call.Place, folder: Path, flight: Callable[[Any], Flight]) -> None:
     """What the child does: fly, send the result or the error, and exit. Does not return."""
     try:
-        last_call.place, tempfile.tempdir = place, folder
+        last_call.place, tempfile.tempdir = place, str(folder)
         result = flight(lambda head, calls: end.send(("head", head, calls)))
         end.send(("end", result))
     except BaseException as error:
@@ -90,13 +100,14 @@ def run_child(end: End, place: last_call.Place, folder: str, flight: Callable[[A
 
 class Parent:
     """The process that waits: it collects rows and progress, and ends the child when an FMU call takes too long."""
-    def __init__(self, child: int, end: End, place: last_call.Place, stream: Path | None, progress: Progress | None,
-                 limit: float | None):
-        self.child, self.end, self.place, self.stream, self.progress = child, end, place, stream, progress
-        self.limit = limit
+    def __init__(self, guarded: Guarded, end: End, place: last_call.Place, make: MakeRecorder,
+                 progress: Progress | None, limit: float | None, interrupted: list[int]):
+        self.guarded, self.end, self.place, self.make, self.progress = guarded, end, place, make, progress
+        self.limit, self.interrupted = limit, interrupted
         self.recorder: Recorder | None = None
         self.head: Flight | None = None   # what is known before the first tick; all that is, once it has flown
         self.flown = False
+        self.until = -np.inf              # time of the last row that came, s
         self.calls: dict[tuple[int, int], tuple[str, str, int]] = {}
         self.begun = time.perf_counter()
 
@@ -106,33 +117,38 @@ class Parent:
         Only the time within one FMU call counts for the limit.
         """
         seen, since = self.position(), time.monotonic()
-        with interruptions() as interrupted:
-            while True:
+        asked, how = None, ""
+        while True:
+            if self.interrupted and asked is None:
+                self.guarded.ask()
+                asked = time.monotonic()
+            if asked is not None and not how and time.monotonic() - asked > GRACE_S:
+                how = "was interrupted in"
+                self.guarded.end()
+            try:
+                item = self.end.recv() if self.end.poll(LOOK_S) else None
+            except (EOFError, OSError):  # OSError: in the middle of a message
+                return self.broken(how or f"{cause_of_death(self.guarded.end())} in")
+            if item:
                 try:
-                    if self.end.poll(LOOK_S):
-                        result = self.take(self.end.recv())
-                        if result is not None:
-                            os.waitpid(self.child, 0)
-                            return result
-                        seen, since = self.position(), time.monotonic()
-                        continue
-                except EOFError:
-                    _, status = os.waitpid(self.child, 0)
-                    return self.broken(f"{cause_of_death(status)} in")
-                now = self.position()
-                if now != seen or self.place.stage[0] == last_call.OUTSIDE:
-                    seen, since = now, time.monotonic()
-                elif self.limit is not None and time.monotonic() - since > self.limit:
-                    self.kill()
-                    return self.broken(f"did not come back within {self.limit:g} s from")
-                if len(interrupted) > 1:
-                    self.kill()
-                    return self.broken("was interrupted in")
+                    result = self.take(item)
+                except NoRoom as error:
+                    self.guarded.end()
+                    return self.ended(str(error))
+                if result is not None:
+                    result.interrupted = self.signal
+                    return result
+            now = self.position()
+            if item or now != seen or self.place.stage[0] == last_call.OUTSIDE:
+                seen, since = now, time.monotonic()
+            elif not how and self.limit is not None and time.monotonic() - since > self.limit:
+                how = f"did not come back within {self.limit:g} s from"
+                self.guarded.end()
 
-    def kill(self) -> None:
-        """End the child."""
-        os.kill(self.child, signal.SIGKILL)
-        os.waitpid(self.child, 0)
+    @property
+    def signal(self) -> int:
+        """The signal that asked for an end; 0 if none did."""
+        return self.interrupted[0] if self.interrupted else 0
 
     def position(self) -> int:
         """What changes with every FMU call of the child."""
@@ -145,45 +161,55 @@ class Parent:
             self.progress(*rest)
         elif kind == "head":
             self.head, self.calls = rest
-            self.recorder = make_recorder(self.head.columns, self.stream)
+            self.recorder = self.make(self.head.columns)
+            self.recorder.about(known_of(self.head))
         elif kind == "rows":
             assert self.recorder is not None
             self.recorder.keep(*rest)
+            self.until = float(rest[0][-1])
         elif kind == "flown":
             self.head, self.flown = rest[0], True
         elif kind == "error":
-            os.waitpid(self.child, 0)
             raise rest[0]
         elif kind == "end":
             assert self.recorder is not None
             flight: Flight = rest[0]
-            flight.time, flight.signals = self.recorder.finish()
+            take_rows(flight, self.recorder)
             return flight
         return None
 
     def broken(self, how: str) -> Flight:
-        """The flight as far as it came, of a process that is gone; `how` is the verb of the message.
-
-        Raises RunError if the process ended before the first tick.
-        """
+        """The flight as far as it came, of a process that is gone; `how` is the verb of the message. See `ended`."""
         message = self.place.read(last_call.LOGGED)
-        sentence = f"{self.told(how)}{f'; it had said: {message}' if message else ''}"
+        return self.ended(f"{self.told(how)}{f'; it had said: {message}' if message else ''}")
+
+    def ended(self, sentence: str) -> Flight:
+        """The flight as far as it came, of a process that is gone; `sentence` says why.
+
+        Raises RunError with it if the process ended before the first tick, Interrupted if there was a signal.
+        """
         if self.head is None or self.recorder is None:
-            raise RunError(sentence)
+            raise Interrupted(sentence, self.signal) if self.interrupted else RunError(sentence)
         tick, _, used, _, _, _, steps = self.place.cursor.tolist()
         columns = self.head.columns
         if used and (len(columns) + 1) * (CHUNK_ROWS + 1) <= len(self.place.doubles):
-            rows = self.place.doubles[CHUNK_ROWS + 1:][:used * len(columns)].reshape(-1, len(columns))
-            self.recorder.keep(self.place.doubles[:used].copy(), rows.copy())
+            rows = self.place.doubles[CHUNK_ROWS + 1:][:used * len(columns)].reshape(used, len(columns))
+            times = self.place.doubles[:used]
+            fresh = times > self.until  # the process may have ended after it sent them
+            try:
+                if fresh.any():
+                    self.recorder.keep(times[fresh], rows[fresh])
+            except NoRoom as error:
+                sentence = f"{sentence.rstrip('.')}; {error}"
         flight = self.head
-        flight.time, flight.signals = self.recorder.finish()
         if self.flown:  # what follows is the end of its FMUs
             sentence = f"{flight.message.rstrip('.')}; then {sentence}" if flight.message else sentence
         else:
             start, step = self.place.span.tolist()
             flight.ticks, flight.wall_s = tick if steps < 0 else steps, time.perf_counter() - self.begun
             flight.reached = start + tick * step
-        flight.finished, flight.message = False, sentence
+        flight.finished, flight.message, flight.interrupted = False, sentence, self.signal
+        take_rows(flight, self.recorder)
         return flight
 
     def told(self, how: str) -> str:

@@ -10,7 +10,7 @@ import numpy as np
 from . import program
 
 LINE = 1024
-CURSOR, STAGE, SPAN, NOTE, LOGGED, ROWS = 0, 128, 256, 512, 512 + LINE, 4096
+CURSOR, STAGE, SPAN, STATUS, NOTE, LOGGED, ROWS = 0, 128, 256, 384, 512, 512 + LINE, 4096
 OUTSIDE, CALLING, TICKING = range(3)  # of FMU calls; in the one that NOTE names; in those of the tick loop
 ROOM = 1 << 26  # for rows that are not handed over yet; untouched memory costs nothing
 
@@ -23,6 +23,7 @@ class Place:
         self.cursor[:] = program.cursor()
         self.stage = np.frombuffer(self.memory, np.int64, 1, STAGE)
         self.span = np.frombuffer(self.memory, np.float64, 2, SPAN)     # start and step of the ticks
+        self.status = np.frombuffer(self.memory, np.int64, 1, STATUS)   # how the process ended, see `guard`
         self.doubles = np.frombuffer(self.memory, np.float64, ROOM // 8, ROWS)
 
     def write(self, where: int, text: str) -> None:

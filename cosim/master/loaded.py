@@ -12,14 +12,18 @@ import numpy as np
 from ..errors import RunError
 from . import last_call
 from . import program as P
+from .connections import checked_connections, recorded_names
 from .fmu import FmuFile
 from .initialise import initialise
-from .instance import DISCARD, Instance
+from .instance import Instance
 from .system import System, Value
-from .wiring import LONGEST_TEXT, Signal, Wirer, Wiring, checked_connections, recorded_names
+from .wiring import LONGEST_TEXT, Signal, Wirer, Wiring
 
-CALLS = {P.SET: "fmi2Set{}", P.PREDICT: "fmi2Set{}", P.SLOPE: "fmi2SetRealInputDerivatives", P.GET: "fmi2Get{}",
-         P.STEP: "fmi2DoStep", P.SAVE: "fmi2GetFMUstate", P.RESTORE: "fmi2SetFMUstate"}
+OF_GROUPS = (P.SET, P.PREDICT, P.SLOPE, P.GET, P.OFFER)
+CALLS = {P.SET: "Set{}", P.PREDICT: "Set{}", P.SLOPE: "SetRealInputDerivatives", P.GET: "Get{}", P.OFFER: "Set{}",
+         P.STEP: "DoStep", P.SAVE: "Get{}", P.RESTORE: "Set{}"}
+IN_EVENTS = {P.ENTERING: "EnterEventMode", P.GIVING: "Set... in event mode", P.UPDATING: "UpdateDiscreteStates",
+             P.LEAVING: "EnterStepMode"}
 
 
 class Ended(RunError):
@@ -42,15 +46,16 @@ class Master:
     """A loaded system. `wiring.signals` holds what is connected or recorded at the current time."""
 
     def __init__(self, system: System, files: dict[str, FmuFile], record: list[str] | None = None,
-                 plain: bool = False, apart: bool = False):
+                 plain: bool = False, apart: bool = False, tolerance: float | None = None):
         """`files` has the open FMU file of every component; `record` picks variables by component.variable,
         * for any (None: all numeric outputs); `plain` takes the loop in Python; `apart` reads what is only to be
-        recorded by calls of its own, so that programs can leave them out.
+        recorded by calls of its own, so that programs can leave them out; `tolerance` is the relative one that FMUs
+        are asked for (None: what each declares).
 
         Raises UsageError for values, connections or patterns that do not fit the FMUs, RunError if an FMU
         does not instantiate.
         """
-        self.system, self.files = system, files
+        self.system, self.files, self.tolerance = system, files, tolerance
         self.values = self.checked_values(system)
         self.targets = checked_connections(system, files)
         recorded = recorded_names(system, files, record)
@@ -90,7 +95,8 @@ class Master:
         """
         for instance in self.instances:
             instance.set(self.values[instance.name])
-        initialise(self.system, {i.name: i for i in self.instances}, self.targets, start, stop)
+        initialise(self.system, {i.name: i for i in self.instances}, self.targets, start, stop, self.tolerance)
+        self.wiring.begin(self.instances)
         self.run(P.program(P.row(P.GET, g.number) for groups in self.wiring.outputs for g in groups), 0, 1, start, 0.0)
         self.wiring.before[:] = self.wiring.signals
         self.wiring.clock[:] = start
@@ -103,8 +109,7 @@ class Master:
         self.values = self.checked_values(system)
         self.free_states()
         for instance in self.instances:
-            instance.simple("fmi2Reset")
-            instance.messages.clear()
+            instance.reset()
 
     def free_states(self) -> None:
         """Free the FMU states that programs have saved."""
@@ -136,7 +141,7 @@ class Master:
         last_call.begin()
         status = self.loop.run(ops, rows, times, self.cursor, first, count, start, step, decimate)
         last_call.end()
-        if status not in (0, P.TOO_LONG):
+        if status not in (0, P.TOO_LONG, P.RESTLESS):
             self.refusing(ops)[0].answered(status)
         return status
 
@@ -155,7 +160,10 @@ class Master:
         time = start + (int(self.cursor[P.TICK]) + late) * step
         if status == P.TOO_LONG:
             raise RunError(f"{instance.label} shows a text longer than {LONGEST_TEXT - 1} bytes at t = {time:.6g} s.")
-        if status == DISCARD:
+        if status == P.RESTLESS:
+            raise RunError(f"{instance.label} does not come to the end of its events in the step from "
+                           f"t = {time:.6g} s.")
+        if status == P.DISCARD:
             self.check_end(ops, time, step)
         instance.check(status, call, time)
 
@@ -170,22 +178,26 @@ class Master:
 
     def refusing(self, ops: np.ndarray) -> tuple[Instance, str, int]:
         """The instance, FMI call, and 1 if it belongs to the end of the tick, of the row where the cursor stands."""
-        component, call, late = self.described(*ops[self.cursor[P.AT], :2].tolist())
-        return self.instances[component], call, late
+        code, index = ops[self.cursor[P.AT], :2].tolist()
+        component, call, late = self.described(code, index)
+        instance = self.instances[component]
+        if code == P.STEP and self.wiring.events[component, P.CALLED] in IN_EVENTS:
+            call = instance.standard.PREFIX + IN_EVENTS[int(self.wiring.events[component, P.CALLED])]
+        return instance, call, late
 
     def described(self, code: int, index: int) -> tuple[int, str, int]:
         """(component, FMI call, 1 if it belongs to the end of the tick) of a row of a program."""
-        if code in (P.SET, P.PREDICT, P.SLOPE, P.GET):
-            group = self.wiring.every_group[index]
-            return group.owner, CALLS[code].format(group.suffix), int(code == P.GET)
-        return index, CALLS.get(code, "a call"), 0
+        group = self.wiring.every_group[index] if code in OF_GROUPS else None
+        component = group.owner if group else index
+        standard = self.instances[component].standard
+        call = CALLS[code].format(group.suffix if group else standard.STATE) if code in CALLS else ""
+        return component, standard.PREFIX + call if call else "a call", int(code == P.GET)
 
     def calls(self) -> dict[tuple[int, int], tuple[str, str, int]]:
         """(code, index) of all rows that call an FMU -> (its name and file, FMI call, 1 if at the end of the tick)."""
         found = {}
         for code in CALLS:
-            of_groups = code in (P.SET, P.PREDICT, P.SLOPE, P.GET)
-            for index in range(len(self.wiring.every_group) if of_groups else len(self.instances)):
+            for index in range(len(self.wiring.every_group) if code in OF_GROUPS else len(self.instances)):
                 component, call, late = self.described(code, index)
                 instance = self.instances[component]
                 found[code, index] = instance.label, call, late
@@ -198,12 +210,12 @@ class Master:
     def snapshot(self) -> list[np.ndarray]:
         """Copies of what a step changes here, to be given to `put_back`; the FMUs' own states are saved by programs."""
         w = self.wiring
-        return [a.copy() for a in (w.signals, w.before, w.clock, w.texts)]
+        return [a.copy() for a in (w.signals, w.exact, w.before, w.clock, w.texts)]
 
     def put_back(self, snapshot: list[np.ndarray]) -> None:
         """Undo what has changed here since `snapshot`."""
         w = self.wiring
-        for place, kept in zip((w.signals, w.before, w.clock, w.texts), snapshot):
+        for place, kept in zip((w.signals, w.exact, w.before, w.clock, w.texts), snapshot):
             place[:] = kept
 
 
@@ -223,7 +235,7 @@ def make_loop(plain: bool, wiring: Wiring) -> Loop:
 def open_files(system: System) -> Iterator[dict[str, FmuFile]]:
     """The FMU file of every component, extracted once for all that use it and removed at the end.
 
-    Raises UsageError for a file that is missing or is no FMI 2.0 co-simulation FMU.
+    Raises UsageError for a file that is missing or cannot be flown, see `FmuFile.open`.
     """
     opened: dict[str, FmuFile] = {}
     try:

@@ -13,18 +13,40 @@ With t the time at the start of the tick and h the base step:
              and are recorded from then on
     SAVE     fmi2GetFMUstate of a component, in place of the one saved before
     RESTORE  fmi2SetFMUstate of the saved one
+    OFFER    look whether a group's inputs have changed, which the component is then given at its next STEP, in event
+             mode (FMI 3.0)
+
+A STEP of FMI 3.0 goes on after an early return, and updates discrete states where the FMU asks for it.
 """
 from collections.abc import Iterable
 
 import numpy as np
 
-SET, PREDICT, SLOPE, STEP, GET, MARK, SAVE, RESTORE = range(8)
+SET, PREDICT, SLOPE, STEP, GET, MARK, SAVE, RESTORE, OFFER = range(9)
 
-# Columns of the tables `groups` and `components`, and kinds of groups, see `wiring`.
-CALL, POINTER, REFERENCES, COUNT, BUFFER, FIRST, KIND, OWNER, SET_SLOPES, SLOPES, ORDERS = range(11)
-REAL, WHOLE, TEXT = range(3)
-INSTANCE, DO_STEP, GET_STATE, SET_STATE, FREE_STATE, SLOTS_FROM, SLOTS_TO = range(7)
-TOO_LONG = 1 << 32  # a status of our own, which no FMU can answer: a text that does not fit its place
+# Columns of the tables `groups` and `components`, see `wiring`.
+CALL, POINTER, REFERENCES, COUNT, BUFFER, FIRST, KIND, OWNER, SET_SLOPES, SLOPES, ORDERS, VALUES = range(12)
+(INSTANCE, DO_STEP, GET_STATE, SET_STATE, FREE_STATE, SLOTS_FROM, SLOTS_TO, ENTER_EVENTS, UPDATE, ENTER_STEPS, ANSWERS,
+ OFFERS_FROM, OFFERS_TO) = range(13)
+
+# Kinds of groups: how a value lies in memory. A truth value is WHOLE in FMI 2.0, UINT8 in FMI 3.0.
+REAL, WHOLE, TEXT, FLOAT, INT8, INT16, INT64, UINT8, UINT16, UINT32, UINT64 = range(11)
+DTYPES = {REAL: np.float64, WHOLE: np.int32, TEXT: np.int64, FLOAT: np.float32, INT8: np.int8, INT16: np.int16,
+          INT64: np.int64, UINT8: np.uint8, UINT16: np.uint16, UINT32: np.uint32, UINT64: np.uint64}
+
+# Columns of the table `events`: what fmi3DoStep and fmi3UpdateDiscreteStates have answered, as bytes (in a step: event,
+# end of the simulation, early return; in an update: again, end, two of no use here, next event known) and a time; then
+# whether inputs are to be given in event mode, and which of IN_EVENTS is under way.
+FLAGS, REACHED, UPDATED, NEXT, CHANGED, CALLED = range(6)
+EVENT_BYTE, END_BYTE, EARLY_BYTE = range(3)
+IN_STEP, ENTERING, GIVING, UPDATING, LEAVING = range(5)
+MOST_ROUNDS = 1000  # without going on in time: updates of discrete states, or early returns
+
+# The statuses of FMI calls.
+OK, WARNING, DISCARD, ERROR, FATAL = range(5)
+
+# Statuses of our own, which no FMU can answer: a text that does not fit its place, and events without end.
+TOO_LONG, RESTLESS = 1 << 32, 1 << 33
 
 # Places of the loops' cursor, which tells where they are at any time: the tick; the row of the program; the number of
 # rows recorded; code and index of the program's row; the number of FMU calls; the steps of an algorithm whose ticks are

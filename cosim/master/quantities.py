@@ -93,11 +93,13 @@ def in_unit_of(variable: "Variable", description: "Description", text: str, full
     Known are the variable's unit, its display units, and the units of the FMU that measure the same. `full` names the
     variable in messages. Raises UsageError for another unit.
     """
-    found = None if is_number(text) or variable.type != "Real" else QUANTITY.fullmatch(text)
+    found = None if is_number(text) or variable.family != "Real" else QUANTITY.fullmatch(text)
     if found is None:
         return text
     number, word = float(found[1]), found[2]
     known = conversions(description, variable)
+    spelt = {name.replace("^", ""): name for name in known}
+    word = word if word in known else spelt.get(word.replace("^", ""), word)  # ft/s2 is ft/s^2
     if word not in known:
         allowed = f"its unit is one of {', '.join(known)}" if known else "the FMU declares no unit for it"
         raise UsageError(f"{full} = {text} is not allowed: {allowed}.")

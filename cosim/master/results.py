@@ -1,6 +1,6 @@
-"""Writes a run to its folder: signals.parquet, signals.csv, run.json, figures/*.png."""
-import json
+"""What a flight leaves in its folder: signals.parquet, signals.csv, run.json; figures are `vehicle.figures`' part."""
 import platform
+from collections.abc import Sequence
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -9,24 +9,15 @@ import pyarrow as pa
 import pyarrow.csv
 import pyarrow.parquet
 
-from ..errors import UsageError
-from .recording import schema
+from .publish import Fill, Published, publish
+from .recording import schema, to_parquet
 
 if TYPE_CHECKING:
     from .flight import Flight
 
+SIGNALS = "signals.parquet"
+HEAD_BYTES = 65536  # a run.json has about 14,000
 PACKAGES = ("ahv", "fmpy", "pythonfmu", "numpy", "casadi")
-
-
-def prepare_folder(out: Path) -> None:
-    """Make `out` and see that it can be written to; UsageError if not, before anything flies."""
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-        probe = out / ".probe"
-        probe.touch()
-        probe.unlink()
-    except OSError as error:
-        raise UsageError(f"--out {out} cannot be written to: {error.strerror}.") from None
 
 
 def table(flight: "Flight", decimate: int = 1) -> pa.Table:
@@ -36,13 +27,10 @@ def table(flight: "Flight", decimate: int = 1) -> pa.Table:
     return pa.Table.from_arrays([pa.array(a) for a in arrays], schema=schema(flight.columns))
 
 
-def write(out: Path, flight: "Flight", summary: dict[str, Any], decimate: int = 1, streamed: bool = False) -> None:
-    """Write the signals (unless they were `streamed` there) and run.json below `out`; figures are `vehicle.figures`'
-    part."""
-    if not streamed:
-        signals = table(flight, decimate)
-        pyarrow.parquet.write_table(signals, out / "signals.parquet")
-        pyarrow.csv.write_csv(signals, out / "signals.csv")
+def write(folder: Path, kind: str, flight: "Flight", summary: dict[str, Any], decimate: int = 1,
+          extras: Sequence[Fill] = (), rows: Path | None = None) -> Published:
+    """Publish the signals (those in the Arrow stream `rows`, if there is one), run.json with `summary`, and `extras`.
+    See `publish`."""
     record = {
         **summary,
         "message": flight.message,
@@ -54,4 +42,31 @@ def write(out: Path, flight: "Flight", summary: dict[str, Any], decimate: int = 
         "signals": {c.name: {"unit": c.unit, "description": c.description} for c in flight.columns},
         "versions": {"python": platform.python_version(), **{name: version(name) for name in PACKAGES}},
     }
-    (out / "run.json").write_text(json.dumps(record, indent=2) + "\n")
+    if rows:
+        return publish(folder, kind, record, lambda place: to_parquet(rows, place / SIGNALS), extras, rows=rows)
+    signals = table(flight, decimate)
+    return publish(folder, kind, record, lambda place: write_parquet(signals, place / SIGNALS),
+                   [lambda place: pyarrow.csv.write_csv(signals, (place / "signals.csv").absolute()), *extras],
+                   lambda place: write_first(signals, place / SIGNALS))
+
+
+def write_parquet(signals: pa.Table, path: Path) -> None:
+    """Write a table. Raises OSError."""
+    pyarrow.parquet.write_table(signals, path.absolute())  # pyarrow takes ~ at the beginning for the home folder
+
+
+def write_first(signals: pa.Table, path: Path) -> None:
+    """Write the first rows of a table, as many as fit beside the head. Raises OSError if none do."""
+    head = path.with_name("room")
+    head.write_bytes(bytes(HEAD_BYTES))
+    while True:
+        signals = signals.slice(0, signals.num_rows // 2)
+        try:
+            write_parquet(signals, path)
+        except OSError:
+            path.unlink(missing_ok=True)
+            if signals.num_rows < 2:
+                raise
+        else:
+            head.unlink()
+            return

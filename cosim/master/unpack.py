@@ -8,8 +8,11 @@ Section 2.3 (FMU Distribution) says what an FMU's archive looks like.
 import stat
 import zipfile
 import zlib
+from os.path import isfile
 from pathlib import Path, PureWindowsPath
 from typing import IO
+
+from ..temporary import troubles
 
 MAX_TOTAL_BYTES = 1 << 30  # 1 GiB unpacked; no FMU that a workstation can load is larger
 MAX_MEMBERS = 100_000
@@ -66,17 +69,24 @@ def read_member(archive: Path, name: str, most: int = MAX_MEMBER_BYTES) -> bytes
 
 def open_archive(archive: Path) -> zipfile.ZipFile:
     """The archive opened for reading. Raises BadArchive if it is missing or no zip file."""
-    if not archive.is_file():
+    if not isfile(archive):
         raise BadArchive("archive.readable", f"there is no file '{archive}'")
     try:
         return zipfile.ZipFile(archive)
     except zipfile.BadZipFile as problem:
-        with archive.open("rb") as start:
-            looks_like_zip = start.read(4) == b"PK\x03\x04"
-        what = "is a zip file that is truncated or damaged" if looks_like_zip else "is not a zip file"
+        what = "is a zip file that is truncated or damaged" if begins_as_zip(archive) else "is not a zip file"
         raise BadArchive("archive.readable", f"'{archive.name}' {what} ({str(problem).rstrip('.')})") from None
     except (OSError, ValueError, NotImplementedError) as problem:
         raise BadArchive("archive.readable", f"'{archive.name}' cannot be read as a zip file ({problem})") from None
+
+
+def begins_as_zip(archive: Path) -> bool:
+    """Whether the first bytes of the file, if they can be read, are those of a zip file."""
+    try:
+        with archive.open("rb") as start:
+            return start.read(4) == b"PK\x03\x04"
+    except OSError:
+        return False
 
 
 def refuse_unsafe_names(members: list[zipfile.ZipInfo], folder: Path) -> None:
@@ -117,22 +127,28 @@ def refuse_large_claims(members: list[zipfile.ZipInfo], max_total_bytes: int) ->
 def unpack(file: zipfile.ZipFile, member: zipfile.ZipInfo, folder: Path, budget: int, allowed: int) -> int:
     """Write one member below `folder`; the number of bytes it really had.
 
-    Raises BadArchive if it is damaged, or has more than `budget` bytes.
+    Raises BadArchive if it is damaged, or has more than `budget` bytes; NoTemporaryFolder if `folder` does not take it.
     """
     target = folder / member.filename
     try:
-        if member.is_dir():
-            target.mkdir(parents=True, exist_ok=True)
-            return 0
-        target.parent.mkdir(parents=True, exist_ok=True)
-        with file.open(member) as source, target.open("wb") as sink:
-            return copy(source, sink, budget, allowed, member.filename)
+        with troubles(folder):
+            return written(file, member, target, budget, allowed)
     except (zipfile.BadZipFile, zlib.error, EOFError) as problem:
         sentence = f"the member '{short(member.filename)}' is truncated or damaged ({str(problem) or 'end of file'})"
         raise BadArchive("archive.readable", sentence) from None
     except (OSError, ValueError, NotImplementedError, RuntimeError) as problem:
         sentence = f"the member '{short(member.filename)}' cannot be unpacked ({problem})"
         raise BadArchive("archive.readable", sentence) from None
+
+
+def written(file: zipfile.ZipFile, member: zipfile.ZipInfo, target: Path, budget: int, allowed: int) -> int:
+    """Write one member to `target`; see `unpack`."""
+    if member.is_dir():
+        target.mkdir(parents=True, exist_ok=True)
+        return 0
+    target.parent.mkdir(parents=True, exist_ok=True)
+    with file.open(member) as source, target.open("wb") as sink:
+        return copy(source, sink, budget, allowed, member.filename)
 
 
 def copy(source: IO[bytes], sink: IO[bytes], budget: int, allowed: int, name: str) -> int:

@@ -2,29 +2,29 @@
 
 All numbers of a run live in one flat vector, `signals`, as doubles: one slot for each variable that is
 connected or recorded. Inputs are gathered from it, so a connection is an index, a factor and an offset.
-Texts live beside it, in `texts`.
+Texts live beside it, in `texts`; so do whole numbers, in `exact`, since a double has no 64-bit one.
 
 A group is variables of one component and one type that move in one FMI call; its row in `groups` has the
-function's address, the instance, and where references, values and links are. A component's row in `components`
-has its instance, the addresses of its functions, and the range of its slots. Addresses are whole numbers, so that a
-compiled loop can call FMUs that were loaded a moment ago.
+function's address, the instance, and where references, values and links are. An array moves as a whole, so all its
+elements have slots; elements of an input array that are not connected have slots that nothing changes. A component's
+row in `components` has its instance, the addresses of its functions, and the range of its slots. Addresses are whole
+numbers, so that a compiled loop can call FMUs that were loaded a moment ago.
+
+FMI 2.0 and 3.0 have one table. A function of 3.0 takes the arguments of 2.0 and some more, and all are called with
+these: by the calling conventions of 64-bit machines a C function does not see arguments after its last one.
 """
 import ctypes
 from dataclasses import dataclass, field, replace
-from fnmatch import fnmatchcase
+from typing import Any
 
 import numpy as np
 
-from ..errors import UsageError
 from .declared import Variable
 from .description import Description
-from .fmu import CALL_SUFFIX, FmuFile
 from .instance import Instance
-from .program import REAL, TEXT, WHOLE
-from .system import Connection, System
+from .program import CHANGED, FLAGS, FLOAT, REAL, TEXT
+from .system import Connection
 
-KIND = {"Real": REAL, "Integer": WHOLE, "Enumeration": WHOLE, "Boolean": WHOLE, "String": TEXT}
-WIDENS = {("Integer", "Real"), ("Enumeration", "Real"), ("Integer", "Enumeration"), ("Enumeration", "Integer")}
 LONGEST_TEXT = 4096
 
 
@@ -52,12 +52,19 @@ def signal(name: str, description: Description, variable: Variable) -> Signal:
 class Group:
     """One call's variables, by name; `number` is its row in `Wiring.groups`."""
     verb: str
-    suffix: str                # Real, Integer, Boolean or String
+    suffix: str                # what the standard's functions call the type
+    kind: int                  # see `program`
     owner: int                 # the component
     names: list[str]
     number: int
     connected: bool            # read because others need it; else only to be recorded
     interpolates: bool = False
+    in_events: bool = False    # discrete inputs of a component that has an event mode
+
+    @property
+    def real(self) -> bool:
+        """Whether its values are real numbers."""
+        return self.kind in (REAL, FLOAT)
 
 
 @dataclass
@@ -72,64 +79,37 @@ class Wiring:
     inputs: list[list[Group]] = field(default_factory=list)  # of each component
     outputs: list[list[Group]] = field(default_factory=list)
     every_group: list[Group] = field(default_factory=list)   # in the order of `groups`
-    groups: np.ndarray = field(default_factory=lambda: np.empty((0, 11), np.int64))
-    components: np.ndarray = field(default_factory=lambda: np.empty((0, 7), np.int64))
+    groups: np.ndarray = field(default_factory=lambda: np.empty((0, 12), np.int64))
+    components: np.ndarray = field(default_factory=lambda: np.empty((0, 13), np.int64))
     where: np.ndarray = field(default_factory=lambda: np.empty(0, np.int64))        # links: slot, factor, offset
     factor: np.ndarray = field(default_factory=lambda: np.empty(0))
     offset: np.ndarray = field(default_factory=lambda: np.empty(0))
     references: np.ndarray = field(default_factory=lambda: np.empty(0, np.uint32))
-    reals: np.ndarray = field(default_factory=lambda: np.empty(0))                  # call buffers
-    wholes: np.ndarray = field(default_factory=lambda: np.empty(0, np.int32))
-    pointers: np.ndarray = field(default_factory=lambda: np.empty(0, np.int64))
+    buffers: np.ndarray = field(default_factory=lambda: np.empty(0, np.int64))      # a word for each link, packed
     slopes: np.ndarray = field(default_factory=lambda: np.empty(0))
     orders: np.ndarray = field(default_factory=lambda: np.empty(0, np.int32))
     signals: np.ndarray = field(default_factory=lambda: np.empty(0))
+    exact: np.ndarray = field(default_factory=lambda: np.empty(0, np.int64))        # the same of whole numbers, as bits
     before: np.ndarray = field(default_factory=lambda: np.empty(0))                 # the signals one step earlier
     clock: np.ndarray = field(default_factory=lambda: np.empty((0, 2)))             # of each component: now, before
     holder: np.ndarray = field(default_factory=lambda: np.empty(0, np.int64))       # component of each slot
     texts: np.ndarray = field(default_factory=lambda: np.empty((0, LONGEST_TEXT), np.uint8))
     states: np.ndarray = field(default_factory=lambda: np.empty(0, np.int64))       # saved FMU states
+    events: np.ndarray = field(default_factory=lambda: np.empty((0, 6), np.int64))  # of each component, see `program`
+    offers: np.ndarray = field(default_factory=lambda: np.empty(0, bool))           # components with OFFERs
+    held: list[tuple[int, str, int]] = field(default_factory=list)  # component, variable, slot that nothing changes
 
-
-def checked_connections(system: System, files: dict[str, FmuFile]) -> dict[str, Connection]:
-    """Input `component.variable` -> its connection.
-
-    Raises UsageError naming the connection that does not fit the FMUs.
-    """
-    targets: dict[str, Connection] = {}
-    for link in system.connections:
-        source, target = (end.partition(".") for end in (link.source, link.target))
-        if source[0] not in files or files[source[0]].variable(source[2]).causality != "output":
-            raise UsageError(f"{link.source} is not an output that a connection can start from.")
-        if target[0] not in files or files[target[0]].variable(target[2]).causality != "input":
-            raise UsageError(f"{link.target} is not an input that a connection can end at.")
-        if link.target in targets:
-            raise UsageError(f"{link.target} has more than one connection.")
-        kinds = files[source[0]].variable(source[2]).type, files[target[0]].variable(target[2]).type
-        if kinds[0] != kinds[1] and kinds not in WIDENS:
-            raise UsageError(f"{link.source} ({kinds[0]}) cannot be connected to {link.target} ({kinds[1]}).")
-        if (link.factor, link.offset) != (1.0, 0.0) and kinds[1] != "Real":
-            raise UsageError(f"{link.target} is {kinds[1]}: its connection can have no factor or offset.")
-        targets[link.target] = link
-    return targets
-
-
-def recorded_names(system: System, files: dict[str, FmuFile], patterns: list[str] | None) -> set[str]:
-    """The variables to record: all numeric outputs, or those whose component.variable fits a pattern.
-
-    Raises UsageError for a pattern that fits nothing.
-    """
-    known = {f"{c.name}.{v.name}": v for c in system.components for v in files[c.name].description.variables
-             if v.type != "String"}
-    if patterns is None:
-        return {name for name, v in known.items() if v.causality == "output"}
-    chosen: set[str] = set()
-    for pattern in patterns:
-        fits = {name for name in known if name == pattern or fnmatchcase(name, pattern)}
-        if not fits:
-            raise UsageError(f"--record {pattern} fits no numeric variable of {', '.join(files)}.")
-        chosen |= fits
-    return chosen
+    def begin(self, instances: list[Instance]) -> None:
+        """Before the first tick: the values of slots that nothing changes, and no answers of a former run."""
+        self.events[:] = 0
+        self.events[:, CHANGED] = self.offers
+        for component, name, slot in self.held:
+            value: Any = instances[component].held(name)
+            if isinstance(value, str):
+                self.texts[slot] = np.frombuffer(value.encode()[:LONGEST_TEXT - 1].ljust(LONGEST_TEXT, b"\0"), np.uint8)
+            else:
+                self.signals[slot] = value
+                self.exact[slot] = 0 if isinstance(value, float) else value - 2 ** 64 * (value >= 2 ** 63)
 
 
 class Wirer:
@@ -149,104 +129,153 @@ class Wirer:
         self.rows: list[list[int]] = []
         self.links: list[tuple[int, float, float]] = []   # slot, factor, offset of each item of each group
         self.references: list[int] = []
+        self.holder: list[int] = []                       # of each slot, as in `Wiring`
+        self.nominal: list[float] = []
+        self.smooth: list[bool] = []
 
     def wire(self) -> Wiring:
         """Give every connected or recorded variable its slot, and fill the tables.
 
         Raises RunError if an FMU lacks a function that it claims.
         """
-        w = self.wiring
-        bounds, holder, nominal, smooth = [], [], [], []
+        w, bounds = self.wiring, []
         for number, instance in enumerate(self.instances):
-            first = len(self.slot)
-            for v in instance.file.description.variables:
-                name = f"{instance.name}.{v.name}"
-                if v.type == "String" and name in self.sources:
-                    self.text[name] = len(self.text)
-                elif name in self.sources or name in self.recorded:
-                    self.slot[name] = len(self.slot)
-                    holder.append(number)
-                    nominal.append(abs(v.nominal or 1.0))
-                    smooth.append(v.type == "Real" and v.variability == "continuous")
-                    if name in self.recorded:
-                        w.columns.append(signal(name, instance.file.description, v))
+            file, full, first = instance.file, instance.name + ".", len(self.slot)
+            shown = file.together(n for n in file.variables
+                                  if full + n in self.sources or full + n in self.recorded)
+            for v in map(file.variables.__getitem__, shown):
+                self.place(number, v)
+                if full + v.name in self.recorded:
+                    w.columns.append(signal(full + v.name, file.description, v))
             bounds.append((first, len(self.slot)))
-        w.slots, w.holder = list(self.slot), np.array(holder, np.int64)
-        w.nominal, w.smooth = np.array(nominal, float), np.array(smooth, bool)
-        w.recorded = np.array([self.slot[c.name] for c in w.columns], np.int64)
-        w.sources = np.array(sorted(self.slot[s] for s in self.sources if s in self.slot), np.int64)
         for number in range(len(self.instances)):
             self.add_groups(number)
-        self.allocate(bounds)
+        offers = [self.add_offers(number) for number in range(len(self.instances))]
+        w.offers = np.array([first < last for first, last in offers], bool)
+        w.slots, w.holder = list(self.slot), np.array(self.holder, np.int64)
+        w.nominal, w.smooth = np.array(self.nominal, float), np.array(self.smooth, bool)
+        w.recorded = np.array([self.slot[c.name] for c in w.columns], np.int64)
+        w.sources = np.array(sorted(self.slot[s] for s in self.sources if s in self.slot), np.int64)
+        self.allocate(bounds, offers)
         return w
+
+    def place(self, number: int, v: Variable, remark: str = "") -> int:
+        """A new slot for a variable of the component `number`, or for a text its place."""
+        places = self.text if v.family == "String" else self.slot
+        if v.family != "String":
+            self.holder.append(number)
+            self.nominal.append(abs(v.nominal or 1.0))
+            self.smooth.append(v.family == "Real" and v.variability == "continuous")
+        return places.setdefault(f"{self.instances[number].name}.{v.name}{remark}", len(places))
 
     def add_groups(self, number: int) -> None:
         """Add the groups of the component `number`, inputs and outputs of each type."""
         instance, w = self.instances[number], self.wiring
-        full = instance.name + "."
-        declared = instance.file.description.variables
-        inputs, outputs = [], []
-        for suffix in ("Real", "Integer", "Boolean", "String"):
-            mine = [v for v in declared if CALL_SUFFIX[v.type] == suffix]
-            given = [v.name for v in mine if full + v.name in self.targets]
-            read = {v.name: full + v.name in self.sources or not self.apart for v in mine
-                    if full + v.name in self.sources | self.recorded}
-            if given:
-                links = [self.targets[full + n] for n in given]
-                slots = self.text if suffix == "String" else self.slot
-                inputs.append(self.add_group(number, "Set", suffix, given, True,
-                                             [(slots[k.source], k.factor, k.offset) for k in links]))
+        full, file = instance.name + ".", instance.file
+        given = file.together(n for n in file.names("input") if full + n in self.targets)
+        shown = [n for n in file.variables if full + n in self.slot or full + n in self.text]
+        needed = {n for n in shown if full + n in self.sources or not self.apart}
+        read = {n: not needed.isdisjoint(file.together([n])) for n in shown}
+        w.inputs.append([])
+        w.outputs.append([])
+        for suffix, kind in dict.fromkeys(instance.standard.TYPES.values()):
+            mine = [n for n in given if instance.standard.TYPES[file.variables[n].type] == (suffix, kind)
+                    and not self.in_events(instance, n)]
+            if mine:
+                w.inputs[number].append(self.add_group(number, "Set", suffix, kind, mine, True))
             for connected in (True, False):
-                names = [n for n, needed in read.items() if needed == connected]
-                if names:
-                    slots = self.text if suffix == "String" else self.slot
-                    outputs.append(self.add_group(number, "Get", suffix, names, connected,
-                                                  [(slots[full + n], 1.0, 0.0) for n in names]))
-        w.inputs.append(inputs)
-        w.outputs.append(outputs)
+                mine = [n for n in read if read[n] == connected
+                        and instance.standard.TYPES[file.variables[n].type] == (suffix, kind)]
+                if mine:
+                    w.outputs[number].append(self.add_group(number, "Get", suffix, kind, mine, connected))
 
-    def add_group(self, number: int, verb: str, suffix: str, names: list[str], connected: bool,
-                  links: list[tuple[int, float, float]]) -> Group:
-        """Add one group; `links` has slot, factor and offset of each of `names`."""
+    def add_offers(self, number: int) -> tuple[int, int]:
+        """Add the groups of a component's discrete inputs if these are given in event mode; the range of their rows."""
+        instance, first = self.instances[number], len(self.rows)
+        full, file = instance.name + ".", instance.file
+        given = file.together(n for n in file.names("input")
+                              if full + n in self.targets and self.in_events(instance, n))
+        for suffix, kind in dict.fromkeys(instance.standard.TYPES.values()):
+            mine = [n for n in given if instance.standard.TYPES[file.variables[n].type] == (suffix, kind)]
+            if mine:
+                group = self.add_group(number, "Set", suffix, kind, mine, True)
+                group.in_events = True
+                self.wiring.inputs[number].append(group)
+        return first, len(self.rows)
+
+    @staticmethod
+    def in_events(instance: Instance, name: str) -> bool:
+        """Whether an input is given in event mode."""
+        return instance.uses_events and instance.file.variables[name].variability != "continuous"
+
+    def links_of(self, number: int, names: list[str], text: bool) -> list[tuple[int, float, float]]:
+        """Slot, factor and offset of what each of these inputs is given: its source, or what it holds."""
+        instance, found = self.instances[number], []
+        for name in names:
+            link = self.targets.get(f"{instance.name}.{name}")
+            if link:
+                found.append(((self.text if text else self.slot)[link.source], link.factor, link.offset))
+                continue
+            slot = self.place(number, instance.file.variables[name], " (held)")
+            self.wiring.held.append((number, name, slot))
+            found.append((slot, 1.0, 0.0))
+        return found
+
+    def add_group(self, number: int, verb: str, suffix: str, kind: int, names: list[str], connected: bool) -> Group:
+        """Add one group."""
         instance = self.instances[number]
-        group = Group(verb, suffix, number, names, len(self.rows), connected,
+        group = Group(verb, suffix, kind, number, names, len(self.rows), connected,
                       suffix == "Real" and instance.claims("canInterpolateInputs"))
+        references = instance.file.references(names)
         self.wiring.every_group.append(group)
-        self.rows.append([instance.address(f"fmi2{verb}{suffix}"), instance.pointer, 0, len(names), 0,
-                          len(self.links), KIND[suffix], number,
-                          instance.address("fmi2SetRealInputDerivatives") if group.interpolates else 0, 0, 0])
-        self.links += links
-        self.references += [instance.file.variables[n].reference or 0 for n in names]
+        self.rows.append([instance.address(verb + suffix), instance.pointer, len(self.references), len(references), 0,
+                          len(self.links), kind, number,
+                          instance.address("SetRealInputDerivatives") if group.interpolates else 0, 0, 0, len(names)])
+        slots = self.text if kind == TEXT else self.slot
+        self.links += (self.links_of(number, names, kind == TEXT) if verb == "Set"
+                       else [(slots[f"{instance.name}.{n}"], 1.0, 0.0) for n in names])
+        self.references += references
         return group
 
-    def allocate(self, bounds: list[tuple[int, int]]) -> None:
+    def allocate(self, bounds: list[tuple[int, int]], offers: list[tuple[int, int]]) -> None:
         """Make the vectors, and write their addresses into the groups."""
         w, length = self.wiring, max(1, len(self.links))
         w.where = np.array([link[0] for link in self.links], np.int64)
         w.factor = np.array([link[1] for link in self.links], float)
         w.offset = np.array([link[2] for link in self.links], float)
         w.references = np.array(self.references, np.uint32)
-        w.reals, w.slopes = np.zeros(length), np.zeros(length)
-        w.wholes, w.orders = np.zeros(length, np.int32), np.ones(length, np.int32)
-        w.pointers = np.zeros(length, np.int64)
+        w.buffers, w.slopes, w.orders = np.zeros(length, np.int64), np.zeros(length), np.ones(length, np.int32)
         w.signals, w.before = np.zeros(len(self.slot)), np.zeros(len(self.slot))
+        w.exact = np.zeros(len(self.slot), np.int64)
         w.clock = np.zeros((len(self.instances), 2))
         w.texts = np.zeros((len(self.text), LONGEST_TEXT), np.uint8)
         w.states = np.zeros(len(self.instances), np.int64)
-        w.groups = np.array(self.rows, np.int64).reshape(-1, 11)
-        buffers = {REAL: w.reals, WHOLE: w.wholes, TEXT: w.pointers}
+        w.events = np.zeros((len(self.instances), 6), np.int64)
+        w.groups = np.array(self.rows, np.int64).reshape(-1, 12)
         for line in w.groups:
-            first, buffer = int(line[5]), buffers[int(line[6])]
-            line[2] = w.references.ctypes.data + first * w.references.itemsize
-            line[4] = buffer.ctypes.data + first * buffer.itemsize
+            first = int(line[5])
+            line[2] = w.references.ctypes.data + int(line[2]) * w.references.itemsize
+            line[4] = w.buffers.ctypes.data + first * 8
             line[9], line[10] = w.slopes.ctypes.data + first * 8, w.orders.ctypes.data + first * 4
-        for group in (g for groups in w.inputs for g in groups if g.suffix == "String"):
+        for group in (g for groups in w.inputs for g in groups if g.kind == TEXT):
             first = int(w.groups[group.number, 5])  # a text input is handed the place where its source is kept
             for i in range(len(group.names)):
-                w.pointers[first + i] = w.texts.ctypes.data + LONGEST_TEXT * int(w.where[first + i])
-        w.components = np.array([[i.pointer, i.address("fmi2DoStep"), *(
-            i.address(f"fmi2{call}FMUstate") if i.claims("canGetAndSetFMUstate") else 0
-            for call in ("Get", "Set", "Free")), *span] for i, span in zip(self.instances, bounds)], np.int64)
+                w.buffers[first + i] = w.texts.ctypes.data + LONGEST_TEXT * int(w.where[first + i])
+        w.components = np.array([self.component(i, *bounds[i], *offers[i]) for i in range(len(self.instances))],
+                                np.int64).reshape(-1, 13)
+        for instance, row in zip(self.instances, w.events):
+            instance.events = row
+
+    def component(self, number: int, slots_from: int, slots_to: int, offers_from: int, offers_to: int) -> list[int]:
+        """The row of a component, see `program`."""
+        instance = self.instances[number]
+        saves = instance.claims("canGetAndSetFMUstate")
+        states = [instance.address(verb + instance.standard.STATE) if saves else 0 for verb in ("Get", "Set", "Free")]
+        enter, update, leave = (instance.address(call) if instance.uses_events else 0
+                                for call in ("EnterEventMode", "UpdateDiscreteStates", "EnterStepMode"))
+        answers = self.wiring.events[number].ctypes.data + 8 * FLAGS
+        return [instance.pointer, instance.address("DoStep"), *states, slots_from, slots_to, enter, update, leave,
+                answers, offers_from, offers_to]
 
 
 def strncpy_address() -> int:

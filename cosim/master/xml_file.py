@@ -1,11 +1,13 @@
-"""The XML files of SSP: parsed without document types, and validated against the standard's schemas."""
+"""The one place that reads XML: documents of unknown origin, and those of SSP, validated against its schemas."""
 import re
+from contextlib import suppress
+from dataclasses import dataclass
 from functools import cache
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 from xml.parsers import expat
 
-import fmpy
 from lxml import etree
 
 from ..errors import UsageError
@@ -29,7 +31,66 @@ Node = Any             # an lxml element
 @cache
 def schema(name: str) -> Any:
     """One of the standard's schemas, as fmpy ships them."""
-    return etree.XMLSchema(etree.parse(str(Path(fmpy.__file__).parent / "ssp" / "schema" / name)))
+    return etree.XMLSchema(etree.parse(str(fmpy_folder() / "ssp" / "schema" / name)))
+
+
+def fmpy_folder() -> Path:
+    """Where fmpy is, which ships the standards' schemas; fmpy itself is slow to import."""
+    spec = find_spec("fmpy")
+    return Path(str(spec and spec.origin)).parent
+
+
+class NotXml(ValueError):
+    """A document that cannot be read; the reason."""
+
+
+@dataclass
+class Prolog:
+    """What stands before the root element: the declared encoding, whether there is a document type, the file that it
+    names, and the first entity that it declares."""
+    encoding: str | None = None
+    doctype: bool = False
+    system: str | None = None
+    entity: str | None = None
+
+
+class RootReached(Exception):
+    """Ends the reading of the prolog: the root element begins."""
+
+
+def prolog(data: bytes) -> Prolog:
+    """The prolog of the document `data`, as far as it can be read: `root_of` says what is wrong with it."""
+    found = Prolog()
+
+    def declaration(_version: str, encoding: str | None, _standalone: int) -> None:
+        found.encoding = encoding
+
+    def doctype(_name: str, system: str | None, *_: object) -> None:
+        found.doctype, found.system = True, system
+
+    def entity(name: str, *_: object) -> None:
+        found.entity = found.entity or name
+
+    def root(*_: object) -> None:
+        raise RootReached
+
+    reader = expat.ParserCreate()
+    reader.XmlDeclHandler, reader.StartDoctypeDeclHandler = declaration, doctype
+    reader.EntityDeclHandler, reader.StartElementHandler = entity, root
+    with suppress(RootReached, expat.ExpatError, LookupError, ValueError, TypeError):  # the latter: odd encodings
+        reader.Parse(data, True)
+    return found
+
+
+def root_of(data: bytes) -> Node:
+    """The root of a document of unknown origin: no entities, no other files, no comments. Raises NotXml."""
+    if len(data) > LARGEST:
+        raise NotXml(f"it is larger than {LARGEST // 1_000_000} MB")
+    try:
+        return etree.fromstring(data, etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False,
+                                                      remove_comments=True))
+    except (etree.LxmlError, LookupError, ValueError) as error:  # LookupError: an unknown encoding
+        raise NotXml(" ".join(str(error).split()) or "it is empty") from None
 
 
 def parse(data: bytes, where: str, root: str) -> Node:
@@ -37,12 +98,11 @@ def parse(data: bytes, where: str, root: str) -> Node:
 
     `where` names the document in messages. Raises UsageError.
     """
-    if len(data) > LARGEST:
-        raise UsageError(f"{where} is larger than {LARGEST // 1_000_000} MB.")
-    refuse_document_type(data, where)
+    if prolog(data).doctype:  # in it, entities can grow without bound
+        raise UsageError(f"{where} declares a document type (DOCTYPE), which no file of an SSP needs; it is not read.")
     try:
-        node = etree.fromstring(data, etree.XMLParser(resolve_entities=False, no_network=True, remove_comments=True))
-    except etree.XMLSyntaxError as error:
+        node = root_of(data)
+    except NotXml as error:
         raise UsageError(f"{where} is not well-formed XML: {error}.") from None
     return valid(node, where, root)
 
@@ -68,19 +128,6 @@ def harmless(error: Any) -> bool:
     """Whether an error can be ignored: tools write attributes that are not in the standard, and empty lists."""
     empty = re.match(r"Element '\{.*\}(\w+)': Missing child", error.message)
     return error.type_name == "SCHEMAV_CVC_COMPLEX_TYPE_3_2_1" or bool(empty and empty[1] in LISTS)
-
-
-def refuse_document_type(data: bytes, where: str) -> None:
-    """Raises UsageError for a document type, which no SSP needs and in which entities can grow without bound."""
-    def refuse(*_: Any) -> None:
-        raise UsageError(f"{where} declares a document type (DOCTYPE), which no file of an SSP needs; it is not read.")
-
-    reader = expat.ParserCreate()
-    reader.StartDoctypeDeclHandler = refuse
-    try:
-        reader.Parse(data, True)
-    except (expat.ExpatError, ValueError, LookupError) as error:  # LookupError: an unknown encoding
-        raise UsageError(f"{where} is not well-formed XML: {error}.") from None
 
 
 def short(text: str) -> str:

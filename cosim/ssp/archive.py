@@ -1,19 +1,9 @@
 """SSP archives, unpacked safely into a temporary folder."""
-import shutil
-import tempfile
-import weakref
 from pathlib import Path
 
 from ..errors import UsageError
 from ..master.unpack import BadArchive, safe_extract
-
-
-class Folder:
-    """A temporary folder that is removed when this object is closed or unused, and at the end of the program."""
-
-    def __init__(self) -> None:
-        self.path = Path(tempfile.mkdtemp(prefix="ahv_ssp_"))
-        self.close = weakref.finalize(self, shutil.rmtree, self.path, ignore_errors=True)
+from ..temporary import Folder
 
 
 def unpacked(path: Path) -> Folder:

@@ -12,7 +12,8 @@ from ..master.fmu import FmuFile
 from ..master.quantities import Unit, between, conversion
 from ..master.system import Component, Connection, System, Value, as_path, assign
 from ..master.xml_file import SSD, parse
-from .archive import Folder, unpacked
+from ..temporary import Folder
+from .archive import unpacked
 from .connections import Tracer
 from .parameters import bound, inside
 from .structure import ElementPath, Point, Structure, called, read, shown
@@ -87,7 +88,7 @@ def open_fmu(path: Path, source: str) -> FmuFile:
     try:
         return FmuFile.open(path)
     except UsageError as error:
-        raise UsageError(str(error).replace(str(path), source)) from None
+        raise type(error)(str(error).replace(str(path), source)) from None
 
 
 def assembled(structure: Structure, folder: Folder, files: dict[ElementPath, FmuFile]) -> LoadedSsp:

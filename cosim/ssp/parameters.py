@@ -1,6 +1,7 @@
 """Parameter bindings: SSV values, through SSM mappings, to the variables they are meant for."""
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from os.path import isfile
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
@@ -15,13 +16,16 @@ Has = Callable[[ElementPath, str], bool]
 
 def inside(folder: Path, source: str, what: str) -> Path:
     """The file that the relative URI `source` names. Raises UsageError unless it is in the archive."""
-    parts = urlsplit(source)
+    try:
+        parts = urlsplit(source)
+        path = (folder / unquote(parts.path)).resolve()
+    except (ValueError, OSError):  # brackets of no address, null characters, endless names
+        raise UsageError(f"{what} refers to {source!r}, which is no name of a file.") from None
     if parts.scheme or parts.netloc:
         raise UsageError(f"{what} refers to {source}, which is not inside the SSP; only files inside are read.")
-    path = (folder / unquote(parts.path)).resolve()
     if not path.is_relative_to(folder.resolve()):
         raise UsageError(f"{what} refers to {source}, which leads outside of the SSP.")
-    if not path.is_file():
+    if not isfile(path):
         raise UsageError(f"{what} refers to {source}, which is not in the SSP.")
     return path
 

@@ -16,6 +16,7 @@ from ..master.fmu import FmuFile
 from ..master.loaded import open_files
 from ..master.quantities import BASE, Unit, conversion
 from ..master.system import Component, Connection, System, Value
+from ..names import named
 
 PREFIXES = {
     "xmlns:ssd": "http://ssp-standard.org/SSP1/SystemStructureDescription",
@@ -30,8 +31,11 @@ TOOL = "ahv"
 def write(path: Path, name: str, system: System, step: float, stop: float) -> None:
     """Write `system` to `path`. The same system gives the same bytes.
 
-    Raises UsageError for values or connections that do not fit the FMUs, or if `path` cannot be written.
+    Raises UsageError for values or connections that do not fit the FMUs, for a component whose name is none, or if
+    `path` cannot be written.
     """
+    for component in system.components:  # their parameter sets are files that are called by it
+        named("component", component.name)
     with open_files(system) as files:
         places = fmu_places(files)
         contents = {places[c.name]: c.fmu.read_bytes() for c in system.components}

@@ -1,5 +1,5 @@
 """What can be set and seen: of a component of the loop, a law, a plant, a scenario or any FMU."""
-from pathlib import Path
+from os.path import isfile
 from typing import Any
 
 from ..errors import UsageError, did_you_mean
@@ -50,7 +50,7 @@ def about(word: str, flavour: str | None = None) -> FmuInfo | ScenarioInfo:
         return info(fmu_path(flavour, COMPONENTS[word].fmu))
     if word in BUILT_IN or word.endswith((".yaml", ".yml")):
         return ScenarioInfo(word, flavour)
-    if not Path(word).is_file():
+    if not isfile(word):
         known = [*COMPONENTS, *BUILT_IN]
         raise UsageError(f"{word} is neither a file nor one of {', '.join(known)}{did_you_mean(word, known)}")
     return info(word)

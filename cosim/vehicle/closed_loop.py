@@ -7,6 +7,7 @@ from pathlib import Path
 from ..errors import UsageError
 from ..master.quantities import Unit, between, conversion
 from ..master.system import Component, Connection, System, Value
+from ..names import named, safe
 from .registry import LAWS, PLANTS, SCENARIO, Model
 from .scenarios import Scenario
 
@@ -83,15 +84,20 @@ def names_file(word: str) -> bool:
     return "=" in word or word.endswith(".fmu")
 
 
+def law_name(word: str) -> str:
+    """What results call the FMU that `word` names, which `chosen` checks: NAME of NAME=FILE.fmu, else what is like the
+    file's name."""
+    name, _, file = word.rpartition("=")
+    return name or (safe(Path(file).stem) if names_file(word) else word)
+
+
 def chosen(option: str, word: str, known: Mapping[str, Model], flavour: str, folder: Path = Path()) -> Choice:
     """What `word` names: one of ours, or anybody's FMU as FILE.fmu or NAME=FILE.fmu (below `folder`, if relative).
 
-    Raises UsageError if it is neither.
+    Raises UsageError if it is neither, or if NAME is not a name.
     """
     if names_file(word):
-        name, _, file = word.rpartition("=")
-        path = folder / Path(file).expanduser()
-        return Choice(name or path.stem, path, ours=False)
+        return Choice(named(option, law_name(word)), folder / Path(word.rpartition("=")[2]).expanduser(), ours=False)
     if word not in known:
         raise UsageError(f"--{option} {word} is not known; there are {', '.join(known)}, or any FMU as NAME=FILE.fmu.")
     return Choice(word, fmu_path(flavour, known[word].fmu), known[word].preset)

@@ -1,5 +1,4 @@
 """Control laws on the same run: a table, and figures with a curve for each."""
-import json
 import re
 import time
 import zipfile
@@ -17,12 +16,16 @@ from ..errors import UsageError
 from ..master.course import Course
 from ..master.flight import Flight
 from ..master.fmu import FmuFile
+from ..master.folder import claimed
+from ..master.guard import POSSIBLE
 from ..master.isolated import launch
-from ..master.results import prepare_folder
+from ..master.publish import publish
 from ..master.system import System
+from ..text import without_math
 from . import scenarios
 from .closed_loop import ClosedLoop, closed_loop, flavour_of
 from .figures import Panel, available
+from .limits import explained
 from .metrics import HEADLINES, METRICS, metrics
 from .registry import LAWS
 from .scenarios import Scenario
@@ -76,9 +79,8 @@ def figures_of(flight: Flight) -> dict[str, Any]:
         pair = f"scenario.{name}_command", source(flight, f"plant.{name}_true")
         rows = flight.together(pair)
         result[key] = settling(flight.time[rows], *(np.asarray(flight[one])[rows] for one in pair))
-    for key, name in (("elevator_saturated_s", "elevator_saturated"), ("fuel_saturated_s", "fuel_ratio_saturated")):
-        flag = f"controller.{name}"
-        result[key] = flight.course(flag).time_on() if flight.has(flag) else None
+    saturated = result.pop("saturated_s")
+    result |= {"elevator_saturated_s": saturated["elevator"], "fuel_saturated_s": saturated["fuel_ratio"]}
     return {"finished": flight.finished, "departed_at_s": None if flight.finished else flight.reached, **result}
 
 
@@ -92,12 +94,19 @@ def size_of(path: Path, preset: str | None) -> dict[str, int | None]:
     return {"states": int(states[1]) if states else None, "parameters": parameters, "preset_parameters": tuned}
 
 
+def whole(system: System, step: float, stop: float, record: list[str] | None = None) -> Flight:
+    """`launch` in a process of its own where that is possible. Raises Interrupted after a signal: a part of a flight
+    compares to nothing."""
+    flight = launch(system, step, stop, isolate=POSSIBLE, record=record)
+    flight.check_interrupted()
+    return flight
+
+
 def cost_per_step(loop: ClosedLoop, step: float) -> float:
     """Microseconds of wall time per step of the controller alone, inputs held, the quickest of five flights."""
     alone = System(tuple(c for c in loop.system.components if c.name == "controller"), ())
-    walls = [launch(alone, step, step * COST_STEPS, isolate=loop.foreign, record=["controller.elevator"]).wall_s
-             for _ in range(5)]
-    return 1e6 * min(walls) / COST_STEPS
+    flights = [whole(alone, step, step * COST_STEPS, ["controller.elevator"]) for _ in range(5)]
+    return 1e6 * min(flight.wall_s for flight in flights) / COST_STEPS
 
 
 def loops_of(plan: Scenario, controllers: list[str], plant: str, flavour: str) -> dict[str, ClosedLoop]:
@@ -122,30 +131,30 @@ def shown(column: str) -> str:
 
 def compare(scenario: str | Scenario, controllers: list[str] | None = None, plant: str = "ideal",
             flavour: str | None = None, step: float = 0.01, stop: float | None = None, out: Path | None = None
-            ) -> tuple[dict[str, Any], dict[str, Flight], list[str]]:
+            ) -> tuple[dict[str, Any], dict[str, Flight], list[str], str]:
     """Fly `controllers` (words of the registry or anybody's FMUs as NAME=FILE.fmu; none: all of ours) on one scenario.
 
-    Returns the summary as compare.json has it, the flights by column, and notes. Writes compare.json and figures to
-    `out`, else to results/compare_SCENARIO. Raises what `run` raises.
+    Returns the summary as compare.json has it, the flights by column, notes, and which results did not find room (empty
+    if all did). Writes compare.json and figures to `out`, else to results/compare/SCENARIO. Raises what `run` raises.
     """
     plan = scenarios.load(scenario) if isinstance(scenario, str) else scenario
     flavour = flavour_of(flavour)
-    folder = out or Path("results") / f"compare_{plan.name}"
-    prepare_folder(folder)
-    loops = loops_of(plan, controllers or [], plant, flavour)
-    flights: dict[str, Flight] = {}
-    rows: dict[str, dict[str, Any]] = {}
-    for column, loop in loops.items():
-        began = time.perf_counter()
-        flights[column] = launch(loop.system, step, plan.stop if stop is None else stop, isolate=loop.foreign)
-        controller = next(c for c in loop.system.components if c.name == "controller")
-        rows[column] = {"preset": loop.preset, **figures_of(flights[column]), **size_of(controller.fmu, loop.preset),
-                        "cost_per_step_us": cost_per_step(loop, step), "wall_s": time.perf_counter() - began}
-    write(folder, flights, plan.name)
-    summary = {"scenario": plan.name, "flavour": flavour, "step_s": step, "controllers": rows,
-               "verdict": verdict(rows), "out": str(folder)}
-    (folder / "compare.json").write_text(json.dumps(summary, indent=2) + "\n")
-    return summary, flights, list(dict.fromkeys(note for loop in loops.values() for note in loop.notes))
+    with claimed(out, "compare", plan.name) as folder:
+        loops = loops_of(plan, controllers or [], plant, flavour)
+        flights: dict[str, Flight] = {}
+        rows: dict[str, dict[str, Any]] = {}
+        for column, loop in loops.items():
+            began = time.perf_counter()
+            flights[column] = explained(whole(loop.system, step, plan.stop if stop is None else stop))
+            fmu = next(c.fmu for c in loop.system.components if c.name == "controller")
+            rows[column] = {"preset": loop.preset, **figures_of(flights[column]), **size_of(fmu, loop.preset),
+                            "cost_per_step_us": cost_per_step(loop, step), "wall_s": time.perf_counter() - began}
+        summary = {"scenario": plan.name, "flavour": flavour, "step_s": step, "controllers": rows,
+                   "verdict": verdict(rows)}
+        published = publish(folder, "compare", summary, lambda place: None,
+                            [lambda place: write(place, flights, plan.name)])
+    notes = list(dict.fromkeys(note for loop in loops.values() for note in loop.notes))
+    return {**summary, "out": str(published.folder)}, flights, notes, published.trouble
 
 
 BETTER = (*((METRICS[name].headline, name.split("."), METRICS[name].unit) for name in HEADLINES),
@@ -183,27 +192,24 @@ def draw(flights: dict[str, Flight], title: str, panels: tuple[Panel, ...]) -> A
                 if style and i == 0:
                     axis.plot(t, y, style, label=name, linewidth=1.0, zorder=3)
                 elif not style:
-                    axis.plot(t, y, f"C{i}", label=shown(law), linewidth=1.1, alpha=0.9)
+                    axis.plot(t, y, f"C{i}", label=without_math(shown(law)), linewidth=1.1, alpha=0.9)
         axis.set_ylabel(panel.ylabel)
         axis.grid(True, alpha=0.3)
         axis.ticklabel_format(axis="y", useOffset=False)
     axes[0, 0].legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncol=4, fontsize="small", frameon=False)
     axes[-1, 0].set_xlabel("time (s)")
     axes[-1, 0].set_xlim(0, max(max(f.time[-1] for f in flights.values()), 1e-9))
-    figure.suptitle(title)
+    figure.suptitle(without_math(title))
     figure.align_ylabels()
     figure.tight_layout()
     return figure
 
 
-def write(folder: Path, flights: dict[str, Flight], name: str) -> list[Path]:
+def write(folder: Path, flights: dict[str, Flight], name: str) -> None:
     """Every picture into `folder`, a file for each."""
-    written = []
     for key, title, panels in PICTURES:
         if not all(available(flight, panels) for flight in flights.values()):
             continue
         figure = draw(flights, f"{name}: {title}", panels)
-        written.append(folder / f"compare_{key}.png")
-        figure.savefig(written[-1], dpi=110)
+        figure.savefig(folder / f"compare_{key}.png", dpi=110)
         plt.close(figure)
-    return written

@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure  # without pyplot, which is slow to import and keeps every figure
 
 from ..master.flight import Flight
+from ..text import without_math
 from .signals import course, known
 
 
@@ -65,7 +66,7 @@ def draw(flight: Flight, title: str, panels: tuple[Panel, ...]) -> Figure:
             axis.legend(loc="best", fontsize="small")
     axes[-1, 0].set_xlabel("time (s)")
     axes[-1, 0].set_xlim(flight.time[0], max(flight.time[-1], 1e-9))
-    axes[0, 0].set_title(title)
+    axes[0, 0].set_title(without_math(title))
     return figure
 
 

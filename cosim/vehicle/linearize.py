@@ -18,6 +18,7 @@ from .scenarios import GROUPS
 ACTUATORS, SENSORS, COMMANDS = (
     [f"{source}.{name}" for source, target, name in LINKS if (source, target) == ends]
     for ends in (("controller", "plant"), ("plant", "controller"), ("scenario", "controller")))
+SHORTEST_FLOWN = 1e-4  # s; a flight to rest takes up to 300 s
 LONGEST_STEP = 1.0  # s; the vehicle's elastic modes turn three times in that
 
 # What is set by options of their own, and would be overruled.
@@ -35,14 +36,18 @@ def linearize(controller: str = "neural", preset: str | None = None, plant: str 
     parameters of both. Raises UsageError for what is not known or outside its limits, RunError if there is no such
     flight.
     """
+    exact = controller in LAWS and plant == "ideal" and not (LAWS[controller].learns and scale != 1)
     if not 0 < step <= LONGEST_STEP:
         raise UsageError(f"--step {step:g} is not allowed: it must be above 0 and at most {LONGEST_STEP:g} s.")
+    if not exact and step < SHORTEST_FLOWN:
+        raise UsageError(f"--step {step:g} is not allowed: the FMU files are flown, in steps of at least "
+                         f"{SHORTEST_FLOWN:g} s.")
     if not 0 < scale < float("inf"):
         raise UsageError(f"--scale {scale:g} is not allowed: it must be a positive number.")
     for component, name in ((c, n) for c, pairs in (values or {}).items() for n in pairs):
         if f"{component}.{name}" in OPTIONS:
             raise UsageError(f"{component}.{name} cannot be set here: {OPTIONS[f'{component}.{name}']} gives it.")
-    if controller in LAWS and plant == "ideal" and not (LAWS[controller].learns and scale != 1):
+    if exact:
         return from_models(controller, preset or LAWS[controller].preset or "", V, h, scale, step, values or {})
     return from_files(controller, preset, plant, V, h, scale, step, values or {})
 

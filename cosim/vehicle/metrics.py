@@ -38,6 +38,8 @@ METRICS = {
     "fuel_ratio.max": Metric("1", Course.max, "controller.fuel_ratio"),
     "phi_hat.velocity_max": Metric("1", Course.max, "controller.phi_hat_1"),
     "phi_hat.altitude_max": Metric("1", Course.max, "controller.phi_hat_2"),
+    "saturated_s.fuel_ratio": Metric("s", Course.time_on, "controller.fuel_ratio_saturated"),
+    "saturated_s.elevator": Metric("s", Course.time_on, "controller.elevator_saturated"),
     "protected_s": Metric("s", Course.time_on, "controller.protecting"),
     "alpha_margin_deg.min": Metric("deg", Course.min, ALPHA_MARGIN),
 }

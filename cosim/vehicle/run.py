@@ -1,14 +1,20 @@
 """One flight of a scenario, from words to a folder of results: what `ahv run` does."""
 from collections.abc import Mapping
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from ..master.flight import Flight
+from ..master.folder import claimed
+from ..master.interruptions import interruptions
 from ..master.isolated import launch
 from ..master.progress import progress_bar
+from ..master.recover import asked
+from ..master.recover import recover as recover_rows
 from . import scenarios
 from .closed_loop import ClosedLoop, Values, closed_loop
+from .limits import explained
 from .metrics import metrics
 from .scenarios import Scenario
 
@@ -20,6 +26,7 @@ class Run:
     summary: dict[str, Any]
     out: Path
     notes: list[str]
+    trouble: str = ""   # results that did not find room, in one sentence
 
 
 def run(scenario: str | Scenario, controller: str = "neural", preset: Mapping[str, str] | str | None = None,
@@ -31,43 +38,72 @@ def run(scenario: str | Scenario, controller: str = "neural", preset: Mapping[st
 
     `controller` and `plant` are words of the registry or anybody's FMUs (NAME=FILE.fmu); `preset` is the controller's,
     or component -> name. `values` are set last: component -> variable -> value. `step`, `stop` are in s. The results
-    go to `out`, else to results/SCENARIO. Other arguments are those of `master.flight.fly`.
+    go to `out`, else to results/run/SCENARIO. Other arguments are those of `master.flight.fly`.
 
     Raises UsageError for what cannot be flown, RunError if an FMU does not start. A flight that ends early is a
-    result: `flight.finished` is False and `flight.message` says why.
+    result: `flight.finished` is False and `flight.message` says why. After a signal there are no figures and
+    no CSV, and `flight.interrupted` is its number.
     """
-    from ..master.results import prepare_folder, write
-
     plan = scenarios.load(scenario) if isinstance(scenario, str) else scenario
     presets = {"controller": preset} if isinstance(preset, str) else dict(preset or {})
     loop = closed_loop(plan, controller, plant, flavour, presets, values, uncertainty)
-    folder = out or Path("results") / plan.name
-    prepare_folder(folder)
-    end = plan.stop if stop is None else stop
-    options: dict[str, Any] = {"decimate": decimate, "stream": folder / "signals.parquet"} if stream else {}
-    bar, tell = progress_bar(plan.name, end)
-    with bar:
-        flight = launch(loop.system, step, end, algorithm, tell if progress else None, isolate or loop.foreign,
-                        time_limit, plain=plain, real_time=real_time, **options)
-    summary = {**said_of(plan, loop, algorithm, step, end), **shown_by(flight), "out": str(folder),
-               **({"lateness": flight.lateness} if flight.lateness else {})}
-    write(folder, flight, {**summary, "presets": presets_of(loop)}, decimate, stream)
-    draw(folder, flight, plan, loop)
-    return Run(flight, summary, folder, [*loop.notes, *part_of_the_rows(flight, stream)])
+    # A signal lets the writing end; rows of a stream are on the disk already.
+    holding: AbstractContextManager[list[int]] = nullcontext([]) if stream else interruptions()
+    with (claimed(out, "run", plan.name) as folder,
+          holding as interrupted):
+        end = plan.stop if stop is None else stop
+        said = said_of(plan, loop, algorithm, step, end)
+        rows = asked(folder, said) if stream else None
+        options: dict[str, Any] = {"decimate": decimate, "stream": rows} if rows else {}
+        bar, tell = progress_bar(plan.name, end)
+        with bar:
+            flight = explained(launch(loop.system, step, end, algorithm, tell if progress else None,
+                                      isolate or loop.foreign, time_limit, plain=plain, real_time=real_time, **options))
+        notes = [*loop.notes, *part_of_the_rows(flight, stream)]
+        done = kept(folder, flight, said, notes, decimate, rows)
+    flight.interrupted = interrupted[0] if interrupted else flight.interrupted
+    return done
+
+
+def recover(left: Path, out: Path | None = None) -> Run:
+    """Make results, in `out` or there, of the rows that a killed run with --stream left in the folder `left`.
+
+    Its figures of merit are computed from a part of the rows, as those of every streamed run. Raises what
+    `master.recover.recover` raises.
+    """
+    return recover_rows(left, out, "run", lambda folder, flight, said, rows: kept(
+        folder, explained(flight), said, part_of_the_rows(flight, True), rows=rows))
+
+
+def kept(folder: Path, flight: Flight, said: dict[str, Any], notes: list[str], decimate: int = 1,
+         rows: Path | None = None) -> Run:
+    """The flight with its figures of merit, in a claimed folder; `said` is what run.json says of the request, `rows`
+    the file of a stream's rows."""
+    from ..master.results import write
+
+    said = dict(said)
+    presets, first_figure = said.pop("presets"), said.pop("first_figure")
+    summary = {**said, **shown_by(flight), **({"lateness": flight.lateness} if flight.lateness else {})}
+    preset = f" ({said['preset']})" if said["preset"] else ""
+    title = f"{said['scenario']}, {said['controller']}{preset}"
+    published = write(folder, "run", flight, {**summary, "presets": presets}, decimate,
+                      [lambda place: draw(place, flight, title, first_figure)], rows)
+    return Run(flight, {**summary, "out": str(published.folder)}, published.folder, notes, published.trouble)
 
 
 def said_of(plan: Scenario, loop: ClosedLoop, algorithm: str, step: float, stop: float
             ) -> dict[str, Any]:
-    """What run.json says of the request."""
+    """What run.json says of the request, and the number of the first figure."""
     return {"scenario": plan.name, "controller": loop.controller, "preset": loop.preset, "flavour": loop.flavour,
-            "algorithm": algorithm, "step_s": step, "stop_s": stop}
+            "algorithm": algorithm, "step_s": step, "stop_s": stop, "presets": presets_of(loop),
+            "first_figure": plan.first_figure}
 
 
 def shown_by(flight: Flight) -> dict[str, Any]:
     """What run.json says of the flight."""
     return {"ticks": flight.ticks, "finished": flight.finished,
             "departed_at_s": None if flight.finished else flight.reached, "ended_at_s": flight.ended_at,
-            **metrics(flight), "real_time_factor": flight.reached / flight.wall_s if flight.ticks else 0.0}
+            **metrics(flight), "real_time_factor": flight.reached / flight.wall_s if flight.wall_s else None}
 
 
 def part_of_the_rows(flight: Flight, stream: bool) -> list[str]:
@@ -83,9 +119,8 @@ def presets_of(loop: ClosedLoop) -> dict[str, dict[str, str]]:
     return {component: {"name": name, "from": loop.preset_from[component]} for component, name in loop.presets.items()}
 
 
-def draw(folder: Path, flight: Flight, plan: Scenario, loop: ClosedLoop) -> None:
+def draw(folder: Path, flight: Flight, title: str, first_figure: int | None) -> None:
     """The scenario's figures into `folder`."""
     from .figures import write  # matplotlib is slow to import
 
-    preset = f" ({loop.preset})" if loop.preset else ""
-    write(folder, flight, f"{plan.name}, {loop.controller}{preset}", plan.first_figure)
+    write(folder, flight, title, first_figure)

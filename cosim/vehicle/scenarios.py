@@ -1,9 +1,12 @@
 """What to fly: the built-in scenarios, and one's own as YAML files."""
 from contextlib import AbstractContextManager, nullcontext
+from os.path import isfile
 from pathlib import Path
+from typing import Annotated
 
-from pydantic import BaseModel, ConfigDict, Field, PrivateAttr
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, PrivateAttr
 
+from .. import names
 from ..errors import UsageError, nearest
 from ..yaml_file import Source
 from .scenario_model import SCALES
@@ -15,7 +18,7 @@ class Scenario(BaseModel):
     """A flight: how long, which presets, which values. Components are scenario, controller and plant."""
     model_config = ConfigDict(extra="forbid", frozen=True)
 
-    name: str = Field(pattern=r"^\w[\w .-]*$", max_length=100)
+    name: Annotated[str, AfterValidator(names.checked)]
     stop: float = Field(gt=0, allow_inf_nan=False, description="s")
     presets: dict[str, str] = Field(default={}, description="component -> preset of its FMU")
     set: dict[str, float | bool | str] = Field(default={}, description="component.variable -> value")
@@ -42,7 +45,7 @@ def load(word: str) -> Scenario:
     if word in BUILT_IN:
         return BUILT_IN[word]
     path = Path(word)
-    if not path.is_file():
+    if not isfile(path):
         near = nearest(word, BUILT_IN)
         hint = f" Did you mean {near}?" if near else ""
         raise UsageError(f"{word} is neither a scenario ({', '.join(BUILT_IN)}) nor a file.{hint}")

@@ -1,10 +1,12 @@
 """Level flight, as the plant's FMU solves it."""
+from collections.abc import Mapping
 from math import degrees
 
 from ..errors import RunError
 from .closed_loop import flavour_of, fmu_path
 from .registry import LAWS, PLANTS
 
+LIMITS = ("fuel_ratio_min", "fuel_ratio_max", "elevator_min", "elevator_max")  # parameters of our laws
 ARRIVED = 1e-6  # largest state derivative of a flight that is level, mixed units per second
 
 
@@ -22,8 +24,7 @@ def trim(V: float = 7700.0, h: float = 85000.0, flavour: str | None = None) -> d
         instance = Instance(file, "plant")
         try:
             instance.set(values)
-            instance.setup(0.0, 1.0)
-            instance.simple("fmi2EnterInitializationMode")
+            instance.enter(0.0, 1.0)
             names = ("theta_trim", "eta1", "eta2", "fuel_ratio_trim", "elevator_trim", "trim_residual")
             theta, eta1, eta2, fuel_ratio, elevator, residual = instance.get(names)
         finally:
@@ -43,12 +44,14 @@ def beyond_limits(found: dict[str, float], flavour: str | None = None) -> str:
     from ..master.fmu import FmuFile
 
     with FmuFile.open(fmu_path(flavour_of(flavour), next(iter(LAWS.values())).fmu)) as file:
-        def limit(name: str) -> float:
-            return number(file.variable(name).start) or 0.0
+        return beyond(found, {name: number(file.variable(name).start) or 0.0 for name in LIMITS})
 
-        actuators = (("a fuel ratio", found["fuel_ratio"], limit("fuel_ratio_min"), limit("fuel_ratio_max"), ""),
-                     ("an elevator", found["elevator_deg"], degrees(limit("elevator_min")),
-                      degrees(limit("elevator_max")), " deg"))
+
+def beyond(found: Mapping[str, float], limits: Mapping[str, float]) -> str:
+    """The same with `limits`, by the names in LIMITS (rad)."""
+    actuators = (("a fuel ratio", found["fuel_ratio"], limits["fuel_ratio_min"], limits["fuel_ratio_max"], ""),
+                 ("an elevator", found["elevator_deg"], degrees(limits["elevator_min"]),
+                  degrees(limits["elevator_max"]), " deg"))
     needs = [f"{name} of {value:.4g}{unit} ({low:g} to {high:g}{unit} is allowed)"
              for name, value, low, high, unit in actuators if not low <= value <= high]
     where = f"V = {found['V_fps']:g} ft/s, h = {found['h_ft']:g} ft"

@@ -21,7 +21,7 @@ import numpy as np
 
 from ..errors import RunError, UsageError
 from ..master.fmu import FmuFile
-from ..master.results import prepare_folder
+from ..master.folder import claimed
 from ..master.system import System
 from ..master.whole_file import whole
 from . import scenarios
@@ -29,6 +29,7 @@ from .closed_loop import choice, closed_loop
 from .registry import LAWS
 from .tune_flights import QUICK, SETS, Bench, Figures, Flown, vehicles
 
+LARGEST_SIGMA = 100.0  # of a logarithm: a factor of 1e43
 CHECK_EVERY = 10   # generations between two flights of the test draws
 WITHIN_FT = 20.0
 DIGITS = 4         # of a gain
@@ -183,46 +184,47 @@ def tune(law: str, preset: str | None = None, flights: str = "independent", gain
     Returns what tune.json has in `out`, else in results/tune/LAW; it is written anew after each generation. `tell` is
     told a line for each. Raises UsageError for what cannot be tuned, RunError after Ctrl-C: the best so far is kept.
     """
-    for option, value in (("evaluations", evaluations), ("draws", draws), ("seed", seed), ("workers", workers)):
-        if value < 1:
-            raise UsageError(f"--{option} {value} is not allowed: it must be at least 1.")
-    if not 0 < sigma < math.inf:
-        raise UsageError(f"--sigma {sigma:g} is not allowed: it must be a positive number.")
+    for option, value, most in (("evaluations", evaluations, 10**9), ("draws", draws, 10**6), ("seed", seed, 2**32 - 1),
+                                ("workers", workers, 1000)):
+        if not 1 <= value <= most:
+            raise UsageError(f"--{option} {value} is not allowed: it must be between 1 and {most}.")
+    if not 0 < sigma <= LARGEST_SIGMA:
+        raise UsageError(f"--sigma {sigma:g} is not allowed: it must be a positive number, at most {LARGEST_SIGMA:g}.")
     chosen = SETS[choice("flights", flights, SETS)]
-    name = law.rpartition("=")[0] or Path(law).stem
     preset = preset or (LAWS[law].preset if law in LAWS else None)
     presets = {"controller": preset} if preset else {}
     needed = {flown.scenario for flown in (*chosen.fixed, *chosen.drawn)}
     loops = {scenario: closed_loop(scenarios.load(scenario), law, presets=presets) for scenario in sorted(needed)}
     systems, free = prepared({scenario: loop.system for scenario, loop in loops.items()}, law, gain)
-    folder = out or Path("results") / "tune" / name
-    prepare_folder(folder)
+    name = next(iter(loops.values())).controller
     seeds = {use: 10 * seed + k for k, use in enumerate(("training", "test", "fresh"))}
     counts = {"training": draws, "test": 2 * draws, "fresh": 4 * draws}
     drawn = {use: vehicles(chosen, counts[use], seeds[use]) for use in seeds}
     record: dict[str, Any] = {
-        "law": name, "preset": preset, "flights": flights, "seed": seed, "sigma": sigma, "budget": evaluations,
-        "draws": {use: {"seed": seeds[use], "count": len(drawn[use])} for use in seeds}, "status": "running"}
+        "kind": "tune", "law": name, "preset": preset, "flights": flights, "seed": seed, "sigma": sigma,
+        "budget": evaluations, "draws": {use: {"seed": seeds[use], "count": len(drawn[use])} for use in seeds},
+        "status": "running"}
 
-    def keep(**more: Any) -> None:
-        record.update(more)
-        with whole(folder / "tune.json") as partial:
-            partial.write_text(json.dumps(record, indent=2) + "\n")
+    with claimed(out, "tune", name) as folder:
+        def keep(**more: Any) -> None:
+            record.update(more)
+            with whole(folder / "tune.json") as partial:
+                partial.write_text(json.dumps(record, indent=2) + "\n")
 
-    try:
-        with flying(systems, workers) as evaluate:
-            for state in searched(free, drawn["training"], drawn["test"], list(chosen.fixed), evaluate, evaluations,
-                                  seed, sigma):
-                keep(**state)
-                tell(f"{state['evaluations']} of {evaluations} evaluations, cost: training "
-                     f"{state['training_cost']:.4f}, test {state['test_cost']:.4f}")
-            if drawn["fresh"]:
-                keep(fresh={who: shares(flown_one_by_one(evaluate, gains, drawn["fresh"])) for who, gains in (
-                    ("start", record["start"]["gains"]), ("tuned", record["gains"]))})
-    except KeyboardInterrupt:
-        keep(status="interrupted")
-        raise RunError(f"Interrupted; the best gains so far are in {folder / 'tune.json'}.") from None
-    keep(status="finished")
+        try:
+            with flying(systems, workers) as evaluate:
+                for state in searched(free, drawn["training"], drawn["test"], list(chosen.fixed), evaluate, evaluations,
+                                      seed, sigma):
+                    keep(**state)
+                    tell(f"{state['evaluations']} of {evaluations} evaluations, cost: training "
+                         f"{state['training_cost']:.4f}, test {state['test_cost']:.4f}")
+                if drawn["fresh"]:
+                    keep(fresh={who: shares(flown_one_by_one(evaluate, gains, drawn["fresh"])) for who, gains in (
+                        ("start", record["start"]["gains"]), ("tuned", record["gains"]))})
+        except KeyboardInterrupt:
+            keep(status="interrupted")
+            raise RunError(f"Interrupted; the best gains so far are in {folder / 'tune.json'}.") from None
+        keep(status="finished")
     return {**record, "out": str(folder)}
 
 

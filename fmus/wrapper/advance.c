@@ -12,6 +12,15 @@ static int input_refused(char reason[SENTENCE], const State *s)
     return 0;
 }
 
+/* The first input that is outside its range, with a question about it in `question`; or NULL. */
+static const Variable *first_unwired(char question[SENTENCE], const State *s)
+{
+    for (int i = 0; i < NU; i++)
+        if (unwired(question, &TABLE[INPUTS[i]], s->u[i]))
+            return &TABLE[INPUTS[i]];
+    return NULL;
+}
+
 /* Why the model cannot stand where next_x (at `x`) and next_y would put it, written to `reason`; or 0. */
 static int not_acceptable(char reason[SENTENCE], const double *x, const double *y)
 {
@@ -47,10 +56,18 @@ static void take(State *s, const double *x, const double *y, double time)
 static fmi2Status initialise(Instance *instance)
 {
     State *s = &instance->state;
-    char reason[SENTENCE];
+    char reason[SENTENCE], low[32], high[32];
+    const Variable *suspect;
     double *x = instance->next_x[0], *y = instance->next_y;
     if (!s->stale)
         return fmi2OK;
+    if ((suspect = first_unwired(reason, s)))
+        return refuse(instance, fmi2Error,
+                      MODEL_NAME " cannot start: %s It starts with %s from %s to %s%s, set before initialisation ends",
+                      reason, suspect->name,
+                      number(low, suspect->minimum == -DBL_MAX ? -INFINITY : suspect->minimum * suspect->shown),
+                      number(high, suspect->maximum == DBL_MAX ? INFINITY : suspect->maximum * suspect->shown),
+                      suspect->unit);
     model_start((const double *[]){s->u, s->p}, (double *[]){x});
     model_outputs((const double *[]){&s->time, x, s->u, s->p}, (double *[]){y});
     if (not_acceptable(reason, x, y))

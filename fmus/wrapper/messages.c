@@ -63,6 +63,17 @@ static int out_of_range(char reason[SENTENCE], const Variable *v, double value)
     return 1;
 }
 
+/* A question about the input `v` if `value` is outside its range, written to `question`; or 0. Importers write zeros
+   where nothing is wired, and some do before they have the values. */
+static int unwired(char question[SENTENCE], const Variable *v, double value)
+{
+    char text[32];
+    if (!out_of_range(question, v, value))
+        return 0;
+    snprintf(question, SENTENCE, "%s = %s%s: is it wired?", v->name, number(text, value * v->shown), v->unit);
+    return 1;
+}
+
 static Instance *valid(fmi2Component component)
 {
     Instance *instance = component;

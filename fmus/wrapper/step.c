@@ -10,7 +10,7 @@ static fmi2Status discard(const Instance *instance, double time, const char *rea
 static fmi2Status do_step(Instance *instance, double time, double step)
 {
     State *s = &instance->state;
-    char reason[SENTENCE], text[32], other[32];
+    char reason[SENTENCE], question[SENTENCE], text[32], other[32];
     const double end = time + step;
     const double *x;
     if (!(is_finite(step) && step > 0)) {
@@ -29,8 +29,11 @@ static fmi2Status do_step(Instance *instance, double time, double step)
         return discard(instance, time, reason);
     }
     x = advance(instance, time, step);
-    if (not_acceptable(reason, x, instance->next_y))
-        return discard(instance, end, reason);
+    if (not_acceptable(reason, x, instance->next_y)) {
+        if (!first_unwired(question, s))
+            return discard(instance, end, reason);
+        return refuse(instance, fmi2Discard, "%s %s at t = %s s", question, reason, number(text, end));
+    }
     take(s, x, instance->next_y, end);
     return fmi2OK;
 }

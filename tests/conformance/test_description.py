@@ -5,13 +5,15 @@ import zipfile
 from importlib.metadata import version
 from pathlib import Path
 
+import pint
 import pytest
 from lxml import etree
 
 from cosim.errors import RunError
 from cosim.master.fmu import FmuFile
 from cosim.master.instance import Instance
-from cosim.vehicle.registry import MODELS
+from cosim.master.quantities import BASE
+from cosim.vehicle.registry import LAWS, MODELS
 
 ROOT = Path(__file__).parents[2]
 
@@ -33,6 +35,31 @@ def test_author_copyright_and_licence_travel_with_the_fmu(fmus, name):
     assert root.get("copyright") == "Copyright 2026 the AHV FMU authors"
     assert root.get("license") == "BSD-2-Clause"
     assert licence == (ROOT / "LICENSE").read_bytes() and b"Copyright (c) 2026, the AHV FMU authors" in licence
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_ports_are_reals_so_that_tools_without_booleans_fly_the_fmu(fmus, name):
+    with FmuFile.open(fmus[name]) as file:
+        ports = [v for v in file.description.variables if v.causality in ("input", "output")]
+    assert ports and {v.type for v in ports} == {"Real"}
+    flags = [v for v in ports if v.variability == "discrete"]
+    assert all((v.unit, v.min, v.max) == ("1", 0.0, 1.0) for v in flags)
+    if name in {law.fmu for law in LAWS.values()}:
+        assert {"fuel_ratio_saturated", "elevator_saturated"} <= {v.name for v in flags}
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_pint_reads_every_unit_and_converts_as_the_fmu_says(fmus, name):
+    quantity = pint.UnitRegistry().Quantity
+    with FmuFile.open(fmus[name]) as file:
+        units = file.description.units
+        unknown = {v.unit for v in file.description.variables} - set(units) - {""}
+    assert units and not unknown
+    for unit in units.values():
+        base = "*".join(f"{part}^{n}" for part, n in zip(BASE, unit.exponents) if n) or "1"
+        assert quantity(1, unit.name).to(base).magnitude == pytest.approx(unit.factor, rel=1e-9), unit.name
+        for shown in unit.displays:
+            assert quantity(1, unit.name).to(shown.name).magnitude == pytest.approx(shown.factor, rel=1e-9), shown
 
 
 def test_an_fmu_names_what_made_it_with_versions(native_fmus, python_fmus):

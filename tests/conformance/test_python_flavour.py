@@ -48,11 +48,9 @@ def test_every_number_has_a_unit_and_angles_show_degrees_but_frequencies_do_not(
 
 def test_state_can_be_saved_serialised_and_replayed_to_the_last_bit(fmu):
     with running(fmu) as instance:
-        slave = instance.slave
         for k in range(20):
             step(instance, k * 0.01, 0.01)
-        state = slave.getFMUstate()
-        blob = slave.serializeFMUstate(state)
+        blob = instance.saved()
 
         def rest(instance):
             trajectory = []
@@ -62,11 +60,10 @@ def test_state_can_be_saved_serialised_and_replayed_to_the_last_bit(fmu):
             return trajectory
 
         expected = rest(instance)
-        slave.setFMUstate(state)
+        instance.restore(blob)
         assert rest(instance) == expected
-        slave.freeFMUstate(state)
         with running(fmu) as fresh:
-            fresh.slave.setFMUstate(fresh.slave.deSerializeFMUstate(blob))
+            fresh.restore(blob)
             assert rest(fresh) == expected
 
 

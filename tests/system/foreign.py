@@ -1,21 +1,28 @@
-"""Runs an SSP in a master that we did not write: `python foreign.py MASTER FILE.ssp STEP STOP OUT.npz NAME...`.
+"""Runs an SSP, or one FMU, in a master that we did not write:
+`python foreign.py [--cost] MASTER FILE STEP STOP OUT.npz VALUES NAME...`.
 
 A process of its own for each run, as these masters load FMUs into their own process and some end it with them.
 OUT.npz gets one array for each NAME (component.variable, all of them outputs), at 0, STEP, ..., STOP;
-NaN where the master does not tell.
+NaN where the master does not tell. VALUES is a JSON object of component.variable and numbers, for the masters of
+`foreign_python` that ask for them. With --cost OUT.npz gets the processor time (s) of a tick instead: that of a flight
+of STOP seconds without that of one a tenth as long, every signal read at every tick.
 How each master has to be told what, and where its rows belong in time, is here and in docs/using-the-controller.md.
 """
+import json
 import shutil
 import sys
 import tempfile
+import time
 import xml.etree.ElementTree as ET
 import zipfile
+from functools import partial
 from pathlib import Path
 
+import foreign_python as python
 import numpy as np
 
 
-def libcosim(ssp, step, stop, names):
+def libcosim(ssp, step, stop, names, values):
     """libcosim's fixed-step algorithm is Jacobi; the step comes with the SSP, in libcosim's own annotation.
 
     Only Reals are to be had at t = 0, by a time series; Booleans are asked for after each step.
@@ -54,7 +61,7 @@ def libcosim(ssp, step, stop, names):
     return rows
 
 
-def ecos(ssp, step, stop, names):
+def ecos(ssp, step, stop, names, values):
     """ecos steps all FMUs before it exchanges anything, which is Jacobi; the step is an argument.
 
     It sets parameters only if their set is named, and its CSV files have six digits: values are asked for instead.
@@ -105,7 +112,7 @@ def start_values(ssp):
             for parameter_set in sets for parameter in parameter_set.iter(f"{SSV}Parameter")]
 
 
-def fmucontainer(ssp, step, stop, names):
+def fmucontainer(ssp, step, stop, names, values):
     """fmucontainer makes an FMU of the system, with a Jacobi master inside; fmpy runs it.
 
     It takes neither parameter sets nor outputs from an SSP without root connectors: both are added by hand. A loop
@@ -134,8 +141,37 @@ def fmucontainer(ssp, step, stop, names):
     return rows
 
 
-MASTERS = {"libcosim": libcosim, "ecos": ecos, "fmucontainer": fmucontainer}
+MASTERS = {"libcosim": libcosim, "ecos": ecos, "fmucontainer": fmucontainer, "ours": python.ours,
+           "ours gauss-seidel": partial(python.ours, algorithm="gauss-seidel"), "fmpy": python.fmpy,
+           "gemseo-fmu": python.gemseo, "fmugym": python.fmugym,
+           "pathsim-fmi": python.pathsim, "CoFmuPy": python.cofmupy, "syssimx": python.syssimx,
+           "pyssp-standard": python.pyssp}
+
+
+REPEATS = 3
+
+
+def cost(fly, step, stop):
+    """Processor time (s) of a tick of fly(stop), start-up left out: the quicker of several flights of each length."""
+    short = stop / 10
+    took = {short: [], stop: []}
+    fly(step)   # loads what is loaded once
+    for _ in range(REPEATS):
+        for end, found in took.items():
+            begun = time.process_time()
+            fly(end)
+            found.append(time.process_time() - begun)
+    return (min(took[stop]) - min(took[short])) / ((stop - short) / step)
+
 
 if __name__ == "__main__":
-    master, ssp, step, stop, out, *names = sys.argv[1:]
-    np.savez(out, rows=MASTERS[master](Path(ssp), float(step), float(stop), names), names=names)
+    measured = "--cost" in sys.argv
+    master, file, step, stop, out, values, *names = [word for word in sys.argv[1:] if word != "--cost"]
+
+    def fly(end):
+        return MASTERS[master](Path(file), float(step), end, names, json.loads(values))
+
+    if measured:
+        np.savez(out, cost=cost(fly, float(step), float(stop)))
+    else:
+        np.savez(out, rows=fly(float(stop)), names=names)

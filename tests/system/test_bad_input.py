@@ -129,4 +129,4 @@ def test_a_scenario_file_flies(tmp_path):
     found = json.loads(ahv("run", tmp_path / "own.yaml", "--json", cwd=tmp_path))
     assert found["scenario"] == "own" and found["finished"]
     assert found["altitude_error_ft"]["max_abs"] < 1e-3  # it starts in trim and stays there
-    assert (tmp_path / "results" / "own" / "run.json").exists()
+    assert (tmp_path / "results" / "run" / "own" / "run.json").exists()

@@ -11,32 +11,15 @@ from pathlib import Path
 
 import pyarrow.parquet as pq
 import pytest
-import yaml
+from campaigns import TABLES, tables, written
 from places import AHV
 from test_cases import ahv
 
-from cosim.campaign import engine
+from cosim.campaign import cluster, engine
 from cosim.campaign.plan import load
+from cosim.campaign.resume import prepare
 from cosim.campaign.store import Store
 from cosim.campaign.worker import JOBS, fly_batch, requests
-
-TABLES = ("runs.parquet", "signals.parquet", "errors.parquet")
-FILE = {
-    "name": "small", "scenario": "case1", "controllers": ["neural", "backstepping"], "stop": 10, "runs": 24, "seed": 3,
-    "sampling": "sobol", "runs_per_task": 2,
-    "dispersions": {
-        "plant.mass": {"distribution": "normal", "mean": 300, "std": 10},
-        "plant.CM_alpha": {"distribution": "uniform", "low": 0.5, "high": 1.5, "relative": True},
-        "scenario.scale_lift": {"distribution": "sinusoid", "amplitude": 0.4, "period": 40}},
-    "correlations": [{"draws": ["plant.mass", "plant.CM_alpha"], "coefficient": 0.5}],
-    "success": {"altitude": "altitude_error_ft.max_abs < 20"}, "signals": {"share": 0.2, "failures": True},
-}
-
-
-def written(folder, **changes):
-    folder.mkdir(exist_ok=True)
-    (folder / "campaign.yaml").write_text(yaml.dump({**FILE, **changes}, sort_keys=False))
-    return folder / "campaign.yaml"
 
 
 def fly(file, out, *words, status=0):
@@ -45,10 +28,6 @@ def fly(file, out, *words, status=0):
 
 def rows(out):
     return pq.read_table(out / "runs.parquet").to_pylist()
-
-
-def tables(out):
-    return [(out / name).read_bytes() for name in TABLES]
 
 
 @pytest.fixture(scope="module")
@@ -107,6 +86,36 @@ def test_signals_are_kept_of_the_failures_and_of_the_share(whole):
     assert failed < kept and 0 < len({run for run, _ in kept} | shared) < 24
 
 
+def test_kept_signals_have_every_tenth_row_and_the_last(whole):
+    times = {}
+    for row in pq.read_table(whole[1] / "signals.parquet", columns=["run", "controller", "time"]).to_pylist():
+        times.setdefault((row["run"], row["controller"]), []).append(row["time"])
+    ends = {(r["run"], r["controller"]): r["departed_at_s"] or 10.0 for r in rows(whole[1])}
+    assert any(ends[one] < 10 for one in times)
+    for one, found in times.items():
+        assert found[-1] == pytest.approx(ends[one], abs=1e-9) and found[:-1] == pytest.approx(
+            [0.1 * i for i in range(len(found) - 1)], abs=1e-9) and found[-1] - found[-2] < 0.1 + 1e-9
+
+
+def test_errors_over_time_are_those_of_the_signals(whole):
+    signals = pq.read_table(whole[1] / "signals.parquet").to_pylist()
+    ends = {(r["run"], r["controller"]): r["departed_at_s"] or 10.0 for r in rows(whole[1])}
+    compared = 0
+    for row in pq.read_table(whole[1] / "errors.parquet").to_pylist():
+        one = row["run"], row["controller"]
+        assert row["time"] == pytest.approx([0.1 * i for i in range(101) if 0.1 * i <= ends[one] + 1e-9], abs=1e-9)
+        kept = [s["plant.h"] - s["controller.h_reference"] for s in signals if (s["run"], s["controller"]) == one]
+        if kept:
+            count = min(len(kept), len(row["time"]))
+            assert row["altitude_error_ft"][:count] == pytest.approx(kept[:count], rel=1e-4, abs=1e-3)
+            compared += count
+    assert compared > 100
+
+
+def test_only_the_final_files_stay(whole):
+    assert not (whole[1] / "parts").exists() and all((whole[1] / name).exists() for name in TABLES)
+
+
 def test_one_worker_and_another_division_into_tasks_give_the_same_rows(whole, tmp_path):
     file = written(tmp_path, runs_per_task=7)
     ahv("campaign", file, "--out", tmp_path / "out", "--workers", 1)
@@ -118,7 +127,9 @@ def test_a_folder_with_another_campaign_is_left_alone(whole, tmp_path):
     assert "--resume continues it" in fly(whole[0], whole[1], status=2)
     said = fly(written(tmp_path, seed=4), whole[1], "--resume", status=2)
     assert "another campaign" in said and "seed has changed" in said
-    assert json.loads(fly(whole[0], whole[1], "--resume"))["runs_flown_now"] == 0
+    began = time.perf_counter()
+    printed = json.loads(fly(whole[0], whole[1], "--resume"))
+    assert printed["runs_flown_now"] == 0 and 0 < printed["wall_s"] < time.perf_counter() - began
     assert tables(whole[1]) == before
 
 
@@ -187,7 +198,7 @@ def children(pid):
 
 
 def parts(out):
-    return len(list((out / "parts").glob("runs-*"))) if (out / "parts").exists() else 0
+    return len(list((out / "parts").glob("receipt-*"))) if (out / "parts").exists() else 0
 
 
 def begun(file, out, *words):
@@ -204,8 +215,8 @@ def begun(file, out, *words):
 def clusters(tmp_path):
     made = []
     yield lambda: made.append(Cluster(tmp_path / f"cluster{len(made)}")) or made[-1]
-    for cluster in made:
-        cluster.stop()
+    for one in made:
+        one.stop()
 
 
 def test_a_killed_worker_then_scheduler_then_client_leave_the_same_tables(clusters, tmp_path):
@@ -240,8 +251,9 @@ def test_a_run_that_kills_its_worker_is_a_row_and_costs_no_other(tmp_path, monke
     plan = load(written(tmp_path, runs=12, runs_per_task=4, controllers=["neural"], stop=1))
     monkeypatch.setattr(engine, "fly_batch", deadly)
     store = Store(tmp_path / "out", plan)
-    store.prepare(False, "")
-    with engine.connected(None, 2) as client:
+    store.folder.mkdir()
+    prepare(store, False, "")
+    with cluster.local(store.work, 2, False) as client:
         engine.send(client, plan)
         engine.Engine(client, plan, store, lambda more, good: None).run()
     store.finish()

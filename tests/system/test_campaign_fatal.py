@@ -33,7 +33,7 @@ def fmus(tmp_path, monkeypatch):
 @pytest.mark.parametrize("fault", [FATAL_INIT, FATAL])
 def test_no_function_is_called_after_fatal_and_the_next_run_flies(fmus, tmp_path, monkeypatch, fault):
     job = Job("key", {"law": small.pair(*fmus)}, {"law": ["left.y"]}, 0.01, 50, "jacobi", {}, 60.0, {"law": ()},
-              Sampler("random", 1, 3, 1), 0.0, False, 1)
+              Sampler("random", 1, 3, 1), 0.0, False, 1, {})
     systems = LoadedSystems(job, Path("/"))
     monkeypatch.setattr(systems, "outcome", lambda request, flight, status: Outcome(request, status, flight.message))
     one = Request(0, "law", {}, {}, False, False)

@@ -75,6 +75,8 @@ WRONG = {
                             "plant.chord:", "line 8: dispersions.plant.chord: plant.chord is no signal"),
     "a period of nothing": ("period: 40",
                             "period: {distribution: uniform, low: 0, high: 1}", "a period must be above 0"),
+    "a period of next to nothing": ("period: 40", "period: {distribution: uniform, low: 1.0e-320, high: 1}",
+                                    "a period must be above 0"),
     "a variable drawn twice": ("success:",
                                "  scenario.scale_lift_sine: {distribution: uniform, low: 0, high: 1}\nsuccess:",
                                "line 12: dispersions.scenario.scale_lift_sine: scenario.scale_lift_sine is set by"),

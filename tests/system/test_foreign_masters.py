@@ -32,7 +32,7 @@ def ours(ssp, stop, folder):
 
 def theirs(master, ssp, stop, names, folder):
     out = folder / f"{master}.npz"
-    words = [sys.executable, HERE / "foreign.py", master, ssp, STEP, stop, out, *names]
+    words = [sys.executable, HERE / "foreign.py", master, ssp, STEP, stop, out, "{}", *names]
     done = subprocess.run([str(w) for w in words], capture_output=True, text=True, timeout=300, cwd=folder,
                           env={**peers.environment(), "TMPDIR": str(folder)})   # where ecos leaves a folder behind
     assert done.returncode == 0, done.stderr[-2000:]

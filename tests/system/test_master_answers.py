@@ -6,15 +6,18 @@ from contextlib import suppress
 import numpy as np
 import pytest
 import small
+from altered import redescribed
 
 from cosim.errors import RunError, UsageError
 from cosim.master import last_call, loop_compiled, program
 from cosim.master.algorithms import method
 from cosim.master.flight import fly, fly_loaded
 from cosim.master.fmu import FmuFile
-from cosim.master.instance import DISCARD, ENVIRONMENTS, ERROR, FATAL, MOST_MESSAGES, ONLY_ONE, Instance, log
+from cosim.master.instance import ONLY_ONE, Instance
 from cosim.master.isolated import fly_isolated
 from cosim.master.loaded import Master, open_files
+from cosim.master.logger import ENVIRONMENTS, MOST_MESSAGES, log
+from cosim.master.program import DISCARD, ERROR, FATAL
 from cosim.master.system import Component, Connection, System
 
 AT = 0.74
@@ -145,6 +148,17 @@ def test_the_largest_whole_numbers_arrive(fmu, value):
     assert np.all(flight["a.whole_out"] == value)
 
 
+def test_the_limits_themselves_are_allowed(fmu, tmp_path):
+    limited = redescribed(fmu, tmp_path / "limited.fmu",
+                          ('<Real start="0.0"/></ScalarVariable><!-- 15 -->',
+                           '<Real start="0.0" min="-1.5" max="2.5"/></ScalarVariable>'))
+    for value in (-1.5, 2.5):
+        assert np.all(fly(System([Component("a", limited, {"u": value})]), 0.1, 0.1, record=["a.u"])["a.u"] == value)
+    for value in (-1.5000001, 2.5000001):
+        with pytest.raises(UsageError, match=r"^a\.u = .* is not allowed: it must be between -1\.5 and 2\.5\.$"):
+            fly(System([Component("a", limited, {"u": value})]), 0.1, 0.1)
+
+
 @pytest.mark.parametrize("flown", [here, plain, isolated])
 def test_signals_that_are_no_numbers_are_told(fmu, flown):
     flight = flown(faulty(fmu, "not_a_number"))
@@ -158,7 +172,7 @@ def test_signals_that_are_no_numbers_are_told(fmu, flown):
 
 def calls_after_fatal(instance):
     """How many calls any instance in the library of `instance` was given after one answered Fatal."""
-    return ctypes.c_int.in_dll(instance.slave.dll, "calls_after_fatal").value
+    return ctypes.c_int.in_dll(instance.library.dll, "calls_after_fatal").value
 
 
 @pytest.mark.parametrize("plain", [False, True])
@@ -270,7 +284,8 @@ def fly_one(instance):
     """From before initialisation to one step."""
     for call in ("fmi2EnterInitializationMode", "fmi2ExitInitializationMode"):
         instance.simple(call)
-    instance.check(instance.do_step(instance.component, 0.0, 0.1, 1), "fmi2DoStep", 0.0)
+    real, flag = ctypes.c_double, ctypes.c_int
+    instance.check(instance.call("fmi2DoStep", real(0.0), real(0.1), flag(1)), "fmi2DoStep", 0.0)
 
 
 def test_another_extraction_of_the_file_can_be_used_after_fatal(fmu):
@@ -379,6 +394,36 @@ def test_both_loops_count_their_calls_alike(fmu):
             counts.append(int(master.cursor[program.CALLS]))
             master.close()
     assert counts[0] == counts[1] > 2 * 100 * 3  # set, step and get of both
+
+
+@pytest.mark.parametrize("plain", [False, True])
+@pytest.mark.parametrize("algorithm,final", [("jacobi", 1), ("gauss-seidel", 1), ("iterated", 0), ("variable", 0)])
+def test_a_step_that_may_be_taken_back_is_not_called_final(tmp_path, algorithm, final, plain):
+    """noSetFMUStatePriorToCurrentPoint (FMI 2.0 section 4.2.2)."""
+    fmu = small.build(tmp_path, direct=None if algorithm == "iterated" else False, flags=("-DSHOWS_KEEP",))
+    flight = fly(small.pair(fmu), 0.01, 0.1, algorithm, plain=plain)
+    assert flight.finished and set(flight["left.whole_out"][1:]) == set(flight["right.whole_out"][1:]) == {final}
+
+
+def test_what_is_only_recorded_is_read_on_recorded_ticks_only(fmu):
+    counts = {}
+    for decimate in (1, 10, 100):
+        system = small.pair(fmu)
+        with open_files(system) as files:
+            master = Master(system, files, ["*.y1"], apart=True)
+            before = int(master.cursor[program.CALLS])
+            fly_loaded(master, method("jacobi"), 0.01, 100, decimate=decimate)
+            counts[decimate] = int(master.cursor[program.CALLS]) - before
+            master.close()
+    assert (counts[1] - counts[10], counts[10] - counts[100]) == (2 * 90, 2 * 9)
+
+
+def test_every_saved_state_is_freed(tmp_path, monkeypatch):
+    freed = []
+    free = Instance.free_state
+    monkeypatch.setattr(Instance, "free_state", lambda self, place: freed.append(self.name) or free(self, place))
+    assert here(small.pair(small.build(tmp_path, direct=None)), "iterated").finished
+    assert sorted(freed) == ["left", "right"]
 
 
 def test_the_logger_takes_what_fmus_hand_it():

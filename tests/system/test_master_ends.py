@@ -11,6 +11,7 @@ import small
 from places import AHV
 
 from cosim.errors import UsageError
+from cosim.master import isolated as isolated_module
 from cosim.master import last_call, loaded
 from cosim.master.flight import fly
 from cosim.master.isolated import Parent, cause_of_death, fly_isolated
@@ -78,6 +79,21 @@ def test_where_the_others_cannot_follow_the_last_row_is_a_communication_point(tm
     flight = here(system, algorithm)
     assert flight.finished and flight.ended_at == pytest.approx(0.745, abs=1e-12)
     assert flight.time[-1] == pytest.approx(last, abs=1e-12) and flight.ticks == len(flight.time) - 1
+
+
+def test_the_others_follow_from_where_they_are(tmp_path):
+    """right would refuse a step that begins later than at 0.74 s."""
+    left, right = ending(small.build(tmp_path), 0.745).components
+    refuses = right.with_values({"fault": small.FAULTS.index("discard"), "fault_time": 0.743})
+    flight = here(System((left, refuses), small.pair(left.fmu).connections), "gauss-seidel")
+    assert well_ended(flight, 0.745) and flight.time[-1] == pytest.approx(0.745, abs=1e-12)
+
+
+def test_an_fmu_that_flies_alone_ends_between_two_communication_points(tmp_path):
+    fmu = small.build(tmp_path, any_step=False)
+    alone = System((ending(fmu, 0.745).components[0],))
+    flight = here(alone, "jacobi")
+    assert flight.finished and (flight.ended_at, flight.time[-1]) == pytest.approx((0.745, 0.745), abs=1e-12)
 
 
 @pytest.mark.parametrize("algorithm", [*ALGORITHMS, "gauss-seidel,order=right+left", "variable,tolerance=1e-3"])
@@ -168,6 +184,14 @@ def test_only_fmu_calls_count_for_the_time_limit(tmp_path, monkeypatch):
     assert flight.finished, flight.message
 
 
+@pytest.mark.parametrize("isolate,limit,place", [(False, None, "here"), (True, None, "apart"), (False, 0.5, "apart"),
+                                                 (True, 0.5, "apart")])
+def test_a_process_of_its_own_comes_with_a_time_limit_or_on_demand(monkeypatch, isolate, limit, place):
+    for name, answer in (("fly", "here"), ("fly_isolated", "apart")):
+        monkeypatch.setattr(isolated_module, name, lambda *arguments, answer=answer, **options: answer)
+    assert isolated_module.launch(None, 0.01, 1.0, isolate=isolate, time_limit=limit) == place
+
+
 @pytest.mark.parametrize("limit", [0.0, -1.0, float("nan")])
 def test_a_time_limit_that_is_none_is_refused(tmp_path, limit):
     with pytest.raises(UsageError, match=rf"^--time-limit {limit:g} must be a positive number of seconds\.$"):
@@ -179,7 +203,7 @@ def test_a_process_that_is_ended_outside_of_any_call_is_told():
     if child == 0:
         os.kill(os.getpid(), signal.SIGKILL)
     cause, place = cause_of_death(os.waitpid(child, 0)[1]), last_call.Place()
-    parent = Parent(child, None, place, None, None, None)
+    parent = Parent(None, None, place, None, None, None, [])
     assert parent.told(f"{cause} in") == "The process of the flight crashed (SIGKILL) outside of all FMU calls"
     place.stage[0] = last_call.TICKING
     assert parent.told(f"{cause} in") == "An FMU crashed (SIGKILL) in the exchange of initial values"

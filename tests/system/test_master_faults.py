@@ -13,6 +13,7 @@ from cosim.master.algorithms import method
 from cosim.master.flight import fly, fly_loaded
 from cosim.master.isolated import fly_isolated
 from cosim.master.loaded import Master, open_files
+from cosim.temporary import PREFIX
 
 AT = 0.74
 
@@ -75,6 +76,12 @@ def test_isolated_is_the_same_flight(tmp_path):
     assert here.signals.tobytes() == there.signals.tobytes() and here.parameters == there.parameters
 
 
+def test_progress_of_an_isolated_flight_is_told_the_time(tmp_path):
+    told = []
+    fly_isolated(small.pair(small.build(tmp_path)), 0.01, 1.0, "jacobi", told.append)
+    assert told == sorted(told) and told[-1] == pytest.approx(1.0)
+
+
 def isolated_long(system, folder):
     return fly_isolated(system, 0.001, 10.0, "gauss-seidel")
 
@@ -86,14 +93,35 @@ def test_wrong_use_stays_wrong_use_in_isolation(tmp_path):
 
 @pytest.mark.parametrize("flown", [fly, fly_isolated])
 def test_an_interrupted_run_keeps_its_rows(tmp_path, flown):
-    system = small.pair(small.build(tmp_path), substeps=200.0)
-    threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGTERM)).start()
-    if flown is fly_isolated:
-        threading.Timer(0.5, lambda: [os.kill(c.pid, signal.SIGTERM)
-                                      for c in psutil.Process().children()]).start()
-    flight = flown(system, 0.001, 3000.0, "jacobi", record=["left.y"])
+    system, begun = small.pair(small.build(tmp_path), substeps=200.0), []
+
+    def tell(t):
+        if not begun:
+            threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGTERM)).start()
+        begun.append(t)
+
+    flight = flown(system, 0.001, 3000.0, "jacobi", tell, record=["left.y"])
     assert not flight.finished and flight.message.startswith("Interrupted at t = ")
     assert len(flight.time) == flight.ticks + 1 > 100
+
+
+def test_an_interrupt_ends_a_flight_that_hangs(tmp_path):
+    """A second one shortly afterwards, as `timeout` sends it, changes nothing."""
+    timers = [threading.Timer(wait, os.kill, (os.getpid(), signal.SIGTERM)) for wait in (1.0, 1.1)]
+    begun = []
+
+    def tell(t):
+        for timer in () if begun else timers:
+            timer.start()
+        begun.append(t)
+
+    former = signal.signal(signal.SIGTERM, lambda *_: None)  # for a second one that comes late
+    flight = fly_isolated(faulty(tmp_path, "hang"), 0.01, 1.0, "jacobi", tell)
+    for timer in timers:
+        timer.join()
+    signal.signal(signal.SIGTERM, former)
+    assert flight.interrupted == signal.SIGTERM and not flight.finished and len(flight.time) == 75
+    assert flight.message == "left (small_indirect.fmu) was interrupted in fmi2DoStep at t = 0.74 s"
 
 
 def grown(fly_once, times):
@@ -117,7 +145,7 @@ def test_many_runs_leave_nothing_behind(tmp_path, monkeypatch, times):
 
     memory, files, _ = grown(lambda: fly(system, 0.01, 1.0, "iterated"), times)
     assert files == 0 and memory < 3e6
-    assert not list(tmp_path.glob("ahv_*"))
+    assert not list(tmp_path.glob(f"{PREFIX}*"))
 
 
 def test_loaded_fmus_fly_again_after_reset(tmp_path):

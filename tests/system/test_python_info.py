@@ -93,7 +93,7 @@ def test_info_as_a_dict_is_json(native_fmus):
     assert found["path"] == str(native_fmus["AhvController"]) and found["name"] == "AhvController"
     assert len(found["variables"]) == len(about.variables)
     assert found["variables"][0] == {"name": "V", "causality": "input", "variability": "continuous", "type": "Real",
-                                     "unit": "ft/s", "display_unit": "", "start": 7700.0, "min": None, "max": None,
+                                     "unit": "ft/s", "display_unit": "", "start": 7700.0, "min": 4000.0, "max": 16000.0,
                                      "settable": True, "description": "measured velocity"}
 
 
@@ -110,6 +110,13 @@ def test_info_reads_other_fmi_versions(tmp_path):
     starts = [about[name].start for name in ("time", "n", "row", "on", "label")]
     assert starts == [None, 3, "1 2 3", True, "12"]
     assert "license: BSD-2-Clause" in str(about) and "made by: hand 2026-01-02T03:04:05Z" in str(about)
+
+
+@pytest.mark.parametrize("text,value", [("true", True), ("1", True), (" 1 ", True), ("false", False), ("0", False),
+                                        ("yes", "yes")])
+def test_info_reads_truths_as_xml_writes_them(tmp_path, text, value):
+    about = cosim.info(written(tmp_path / "three.fmu", FMI_3.replace('start="true"', f'start="{text}"')))
+    assert about["on"].start is value or about["on"].start == value == text
 
 
 @pytest.mark.parametrize("content,sentence", [

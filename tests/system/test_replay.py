@@ -44,16 +44,14 @@ def test_flies_on_to_the_last_bit(fmus):
     with ExitStack() as stack:
         flying = loop(stack, fmus)
         fly(flying, 0, SAVED_AT)
-        states = {name: instance.slave.getFMUstate() for name, instance in flying.items()}
-        blobs = {name: instance.slave.serializeFMUstate(states[name]) for name, instance in flying.items()}
+        blobs = {name: instance.saved() for name, instance in flying.items()}
         expected = fly(flying, SAVED_AT, UNTIL)
 
         for name, instance in flying.items():
-            instance.slave.setFMUstate(states[name])
-            instance.slave.freeFMUstate(states[name])
+            instance.restore(blobs[name])
         assert fly(flying, SAVED_AT, UNTIL) == expected
 
         fresh = loop(stack, fmus)
         for name, instance in fresh.items():
-            instance.slave.setFMUstate(instance.slave.deSerializeFMUstate(blobs[name]))
+            instance.restore(blobs[name])
         assert fly(fresh, SAVED_AT, UNTIL) == expected

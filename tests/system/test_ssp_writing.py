@@ -55,6 +55,7 @@ def test_connectors_have_kind_and_unit_and_units_their_base(case1):
     plant = next(c for c in root.iter(f"{SSD}Component") if c.get("name") == "plant")
     kinds = {c.get("name"): c.get("kind") for c in plant.iter(f"{SSD}Connector")}
     assert kinds["elevator"] == "input" and kinds["h"] == "output"
+    assert not list(root.iter(f"{SSC}LinearTransformation"))  # values travel as they are
 
 
 def test_the_same_words_give_the_same_bytes(case1, tmp_path):
@@ -189,3 +190,13 @@ def test_a_value_that_does_not_fit_writes_nothing(tmp_path):
     with pytest.raises(UsageError, match=r"a\.whole_in = 1\.5 is not allowed: it must be a whole number"):
         write(tmp_path / "test.ssp", "test", system, 0.1, 0.5)
     assert list(tmp_path.glob("test.ssp*")) == []
+
+
+def test_an_enumeration_keeps_its_type(tmp_path, reading):
+    fmu = redescribed(small.build(tmp_path), tmp_path / "enumeration.fmu",
+                      ("<ModelVariables>", '<TypeDefinitions><SimpleType name="mode"><Enumeration><Item name="on" '
+                       'value="0"/></Enumeration></SimpleType></TypeDefinitions><ModelVariables>'),
+                      ("<Integer/></ScalarVariable>", '<Enumeration declaredType="mode"/></ScalarVariable>'))
+    with reading(System((Component("a", fmu),))), zipfile.ZipFile(tmp_path / "test.ssp") as archive:
+        root = etree.fromstring(archive.read("SystemStructure.ssd"))
+    assert [kind.attrib for kind in root.iter(f"{SSC}Enumeration")] == [{"name": "mode"}]

@@ -103,3 +103,17 @@ def test_whole_numbers_have_no_error(build):
     links = (Connection("a.whole_out", "b.whole_in"), Connection("a.y", "b.u"))
     with variable(System(parts, links)) as algorithm:
         assert [algorithm.master.wiring.slots[s] for s in algorithm.slots] == ["a.y"]
+
+
+@pytest.mark.parametrize("error,taken", [(0.9, True), (1.2, False)])
+def test_a_step_is_taken_whose_estimated_error_is_allowed(build, error, taken):
+    with variable(small.pair(build())) as algorithm:
+        master, before, begun = algorithm.master, algorithm.time, algorithm.master.snapshot()
+        master.run(algorithm.save, 0, 1, before, 0.0)
+        algorithm.tolerance *= algorithm.error(0.02, begun) / error
+        master.run(algorithm.restore, 0, 1, before, 0.0)
+        master.put_back(begun)
+        algorithm.step = 0.02
+        algorithm.take()
+    step = algorithm.time - before
+    assert step == pytest.approx(0.02) if taken else 0 < step < 0.0199

@@ -7,7 +7,7 @@ import pytest
 
 from cosim.campaign.charts import drivers, envelopes, histograms, over_time, probability, scatter, wide
 from cosim.campaign.statistics import Results
-from cosim.vehicle.metrics import HEADLINES, METRICS
+from cosim.vehicle.metrics import HEADLINES, METRICS, OVER_TIME
 
 
 def errors(*runs):
@@ -54,12 +54,13 @@ def test_positive_values_of_different_size_get_a_logarithmic_axis(values, expect
     assert wide(np.array(values, float)) is expected
 
 
-def results(law="x", runs=40):
+def results(law="x", runs=40, **columns):
     """Runs that fail where a is above 0.75; the altitude error is 10 a, b has nothing to do with it."""
     a = (np.arange(runs) + 0.5) / runs
     rows = {"controller": [law] * runs, "run": list(range(runs)), "success": a < 0.75, "a.a": a,
             "a.b": np.resize([0.2, 0.9, 0.4, 0.6, 0.1], runs), "status": ["finished"] * runs, **{
-                name: 10 * a if name == "altitude_error_ft.max_abs" else np.full(runs, 3.0) for name in METRICS}}
+                name: 10 * a if name == "altitude_error_ft.max_abs" else np.full(runs, 3.0) for name in METRICS},
+            **columns}
     return Results.of(law, pa.table(rows))
 
 
@@ -90,3 +91,40 @@ def test_a_scatter_tells_failures_from_successes():
     assert (len(failed.get_xdata()), len(succeeded.get_xdata())) == (10, 30)
     assert min(failed.get_xdata()) > 0.75 > max(succeeded.get_xdata())
     assert np.array_equal(failed.get_ydata(), 10 * failed.get_xdata())
+
+
+def texts(legend):
+    return [text.get_text() for text in legend.get_texts()]
+
+
+def test_envelopes_say_what_they_show_at_the_left_and_in_the_first_panel():
+    axes = envelopes([SimpleNamespace(law="x")] * 2, errors(([0, 5], [0, 1], [0, 0])), 5.0).axes
+    labels = [label for label, _ in OVER_TIME.values()]
+    assert [axis.get_ylabel() for axis in axes[::2]] == [*labels, "still flying (%)"]
+    assert {axis.get_ylabel() for axis in axes[1::2]} == {""}
+    assert texts(axes[0].get_legend()) == ["all", "5 to 95 %", "median"]
+    assert [axis.get_legend() for axis in axes[1:]] == [None] * 5
+
+
+def test_histograms_of_values_of_different_size_are_logarithmic_and_the_first_tells_the_laws():
+    values = np.geomspace(1, 1000, 40)
+    axes = histograms([results(**{HEADLINES[1]: values}), results("y")]).axes
+    assert [axis.get_xscale() for axis in axes] == ["linear", "log", "linear", "linear"]
+    assert texts(axes[0].get_legend()) == ["x", "y"] and [axis.get_legend() for axis in axes[1:]] == [None] * 3
+
+
+def test_drivers_of_two_laws_stand_one_below_the_other():
+    axes = drivers([results(), results("y")], ["a.b", "a.a"], "altitude_error_ft.max_abs").axes
+    ends = [(bar.get_y(), bar.get_y() + bar.get_height()) for bar in axes[0].patches]
+    assert [end for one in (ends[0], ends[2], ends[1], ends[3]) for end in one] == pytest.approx(
+        [-0.4, 0, 0, 0.4, 0.6, 1, 1, 1.4])
+    assert axes[0].yaxis_inverted() and texts(axes[0].get_legend()) == ["x", "y"]
+
+
+@pytest.mark.parametrize("draws,shown,columns", [(4, 4, 6), (15, 12, 12)])
+def test_a_scatter_has_a_panel_for_each_of_the_twelve_strongest_drivers(draws, shown, columns):
+    names = [f"a.{i}" for i in range(draws)]
+    made = results(**{name: np.roll(np.arange(40.0), i) for i, name in enumerate(names)})
+    axes = scatter(made, names, "altitude_error_ft.max_abs").axes
+    assert len(axes) == columns and sum(axis.get_visible() for axis in axes) == shown
+    assert [axis.get_xlabel() for axis in axes[:shown]] == list(made.drivers(names, HEADLINES[0]))[:shown]

@@ -1,5 +1,7 @@
 """What a worker does with a task, without FMUs: which runs it flies, what it keeps, how a run is said to have ended."""
 import hashlib
+import os
+import time
 from types import SimpleNamespace
 
 import pytest
@@ -148,3 +150,22 @@ def test_the_nominal_flight_has_nothing_drawn_and_no_signals(monkeypatch):
     outcome = worker.fly_nominal("key", "law")
     assert asked == [Request(-1, "law", {}, {}, False, False)]
     assert (outcome.status, outcome.metrics, outcome.signals) == ("finished", {"a": 1.0}, None)
+
+
+def test_a_call_that_does_not_return_ends_the_process():
+    hangs = SimpleNamespace(job=SimpleNamespace(timeout_s=0.2 - worker.PATIENCE_S), fly=lambda request: time.sleep(20))
+    child = os.fork()
+    if child == 0:
+        worker.guarded(hangs, ONE)
+        os._exit(0)
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 1
+
+
+def test_a_call_that_returns_ends_nothing_later():
+    quick = SimpleNamespace(job=SimpleNamespace(timeout_s=0.2 - worker.PATIENCE_S), fly=lambda request: "flown")
+    child = os.fork()
+    if child == 0:
+        flown = worker.guarded(quick, ONE)
+        time.sleep(0.5)
+        os._exit(7 if flown == "flown" else 8)
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 7

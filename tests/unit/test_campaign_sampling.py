@@ -179,3 +179,10 @@ def test_the_share_of_runs_with_signals_is_chosen_by_run():
     draws = np.array([Sampler("random", 1, 1, 1).uniforms(k)[0] for k in np.flatnonzero(chosen)])
     assert 0.4 < draws.mean() < 0.6  # it has nothing to do with what the run draws
     assert not any(keeps_signals(1, k, 0.0) for k in range(50)) and all(keeps_signals(1, k, 1.0) for k in range(50))
+
+
+def test_a_seed_draws_the_same_with_every_version():
+    """Published rows can be flown again."""
+    assert Sampler("random", 5, 8, 2).points(0, 2).tolist() == [[0.7337459554446363, 0.5905206445727093],
+                                                               [0.8965164783651571, 0.5549668734028189]]
+    assert Sampler("random", 5, 8, 2).uniforms(10**6).tolist() == [0.8711637955461395, 0.74245612142611]

@@ -21,6 +21,7 @@ FLOWN = {
 OURS = {
     "controller.phi_hat_1": [0, 1, 3, 2, 1], "controller.phi_hat_2": [0, 4, 3, 2, 1],
     "controller.protecting": [1, 0, 1, 1, 0],
+    "controller.fuel_ratio_saturated": 0.0, "controller.elevator_saturated": [0, 1, 0, 1, 0],
     "plant.theta": 3 * DEG, "plant.gamma": [1 * DEG, 1 * DEG, 0, 1 * DEG, 1 * DEG], "controller.alpha_limit": 5 * DEG,
 }
 EXPECTED = {
@@ -33,7 +34,8 @@ EXPECTED = {
 
 def test_every_metric_of_a_flight_with_uneven_rows():
     found = measured(made(TIME, {**FLOWN, **OURS}))
-    assert found == pytest.approx({**EXPECTED, "phi_hat.velocity_max": 3, "phi_hat.altitude_max": 4, "protected_s": 4,
+    assert found == pytest.approx({**EXPECTED, "phi_hat.velocity_max": 3, "phi_hat.altitude_max": 4,
+                                   "saturated_s.fuel_ratio": 0, "saturated_s.elevator": 1 + 3, "protected_s": 4,
                                    "alpha_margin_deg.min": 2}, abs=1e-9)
     assert list(found) == list(METRICS)
 
@@ -43,7 +45,7 @@ def test_a_law_without_a_signal_has_none_of_its_metrics():
     assert {n: v for n, v in found.items() if v is not None} == pytest.approx(EXPECTED, abs=1e-9)
     nested = metrics(made(TIME, FLOWN))
     assert list(nested) == ["altitude_error_ft", "velocity_error_fps", "elevator_deg", "fuel_ratio", "phi_hat",
-                            "protected_s", "alpha_margin_deg"]
+                            "saturated_s", "protected_s", "alpha_margin_deg"]
     assert nested["phi_hat"] == {"velocity_max": None, "altitude_max": None}
     assert nested["protected_s"] is None and nested["alpha_margin_deg"] == {"min": None}
     assert nested["elevator_deg"] == pytest.approx({"min": -1, "max": 3, "travel": 9})

@@ -2,8 +2,9 @@
 import pytest
 
 from cosim.master.declared import Variable
-from cosim.master.description import Description, parsed, read, usable
+from cosim.master.description import Description, read, usable
 from cosim.master.fmu import settable
+from cosim.master.xml_file import root_of
 
 TYPES = """<UnitDefinitions>
   <Unit name="K"><BaseUnit K="1"/><DisplayUnit name="degC" offset="-273.15"/></Unit>
@@ -112,7 +113,7 @@ def test_capabilities_that_are_claimed():
     found = usable(xml())
     flags = ("canGetAndSetFMUstate", "canInterpolateInputs", "canRunAsynchronuously", "canSerializeFMUstate")
     assert [found.claims(flag) for flag in flags] == [True, True, False, False]
-    assert not Description(parsed(b"<fmiModelDescription/>")).claims("canGetAndSetFMUstate")
+    assert not Description(root_of(b"<fmiModelDescription/>")).claims("canGetAndSetFMUstate")
 
 
 @pytest.mark.parametrize("given,sentence", [
@@ -150,7 +151,7 @@ def test_every_type_of_the_standard_is_read():
 def test_entities_are_not_expanded():
     bomb = b'<!DOCTYPE d [<!ENTITY a "aaaa">]>' + xml().replace(b'"warmth"', b'"&a;"').replace(
         b'<Real start="3"/>', b'<Real start="3"/>&a;')
-    assert "aaaa" not in "".join(parsed(bomb).itertext())
+    assert "aaaa" not in "".join(root_of(bomb).itertext())
 
 
 def test_other_versions_are_read_in_the_words_of_2():

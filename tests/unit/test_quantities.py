@@ -67,20 +67,22 @@ DESCRIPTION = usable(b"""<fmiModelDescription fmiVersion="2.0"><UnitDefinitions>
 <Unit name="K"><BaseUnit K="1"/><DisplayUnit name="mK" factor="1000"/><DisplayUnit name="degC" offset="-273.15"/>
 <DisplayUnit name="none" factor="0"/></Unit>
 <Unit name="degF"><BaseUnit K="1" factor="0.5" offset="255"/><DisplayUnit name="half" factor="2" offset="1"/></Unit>
-<Unit name="m"><BaseUnit m="1"/></Unit></UnitDefinitions><TypeDefinitions>
+<Unit name="m"><BaseUnit m="1"/></Unit>
+<Unit name="m/s^2"><BaseUnit m="1" s="-2"/></Unit></UnitDefinitions><TypeDefinitions>
 <SimpleType name="Difference"><Real unit="K" relativeQuantity="true"/></SimpleType></TypeDefinitions><ModelVariables>
 <ScalarVariable name="T" valueReference="0"><Real unit="K"/></ScalarVariable>
 <ScalarVariable name="dT" valueReference="1"><Real declaredType="Difference"/></ScalarVariable>
 <ScalarVariable name="x" valueReference="2"><Real/></ScalarVariable>
 <ScalarVariable name="n" valueReference="3"><Integer/></ScalarVariable>
 <ScalarVariable name="odd" valueReference="4"><Real unit="odd"/></ScalarVariable>
+<ScalarVariable name="a" valueReference="5"><Real unit="m/s^2"/></ScalarVariable>
 </ModelVariables></fmiModelDescription>""")
 
 
 @pytest.mark.parametrize("name,text,expected", [
     ("T", "300 K", 300), ("T", "10degC", 283.15), ("T", "5000 mK", 5), ("T", "10 degF", 260), ("T", "3 half", 255.5),
     ("dT", "10 degC", 10), ("dT", "5000 mK", 5), ("dT", "10 degF", 5), ("dT", "3 half", 0.75), ("dT", "1e1 degC", 10),
-    ("odd", "4 odd", 4), ("T", "-1.5", -1.5)])
+    ("odd", "4 odd", 4), ("T", "-1.5", -1.5), ("a", "9.8 m/s^2", 9.8), ("a", "9.8 m/s2", 9.8)])
 def test_a_number_with_a_unit(name, text, expected):
     variable = next(v for v in DESCRIPTION.variables if v.name == name)
     assert float(in_unit_of(variable, DESCRIPTION, text, "a")) == pytest.approx(expected)

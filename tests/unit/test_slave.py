@@ -280,3 +280,12 @@ def test_every_call_of_the_binary_is_guarded():
                                                     for kind in ("real", "integer", "boolean", "string"))}
     guard = refusing(len).__code__
     assert {name for name, member in vars(ModelSlave).items() if getattr(member, "__code__", None) is guard} == called
+
+
+def test_there_are_no_whole_numbers_and_no_texts():
+    slave, _ = started()
+    assert slave.get_integer([]) == slave.get_string([]) == []
+    slave.set_integer([], [])
+    slave.set_string([], [])
+    refused("value reference 2 is no Integer of Tiny", slave.get_integer, [Y])
+    refused("value reference 0 is no String of Tiny", slave.set_string, [U], ["x"])

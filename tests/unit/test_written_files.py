@@ -57,6 +57,13 @@ def test_every_variable_has_its_kind(root):
         "internal_step": ("parameter", "fixed", "exact", "Real")}
 
 
+def test_a_real_may_be_discrete():
+    model = tank(('"full", "output", ""', '"full", "output", "1 discrete"'))
+    root = ET.fromstring(model_description(model, trace_model(model), Flavour({}), "", "", ""))
+    full = variable(root, "full")
+    assert (full.get("variability"), full[0].tag, full[0].attrib) == ("discrete", "Real", {"unit": "1"})
+
+
 def test_limits_and_units_are_those_of_the_table(root):
     assert variable(root, "angle")[0].attrib == {"unit": "rad", "displayUnit": "deg", "min": "-1.0", "max": "1.0",
                                                  "nominal": "0.5"}

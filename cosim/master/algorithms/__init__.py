@@ -63,7 +63,7 @@ def method(word: str) -> Method:
                              f"there {'is' if len(allowed) == 1 else 'are'} {', '.join(k + '=' for k in allowed)}.")
         try:
             read = reader(value)
-        except (KeyError, ValueError):
-            raise UsageError(f"--algorithm {word}: {value} is no value for {key}.") from None
+        except ValueError as error:
+            raise UsageError(f"--algorithm {word}: {value} is no value for {key}: it must be {error}.") from None
         (options if key in known else rates)[key] = read
     return Method(name, {**options, **({"rates": rates} if "rates" in known else {})})

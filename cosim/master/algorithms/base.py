@@ -51,19 +51,21 @@ class Algorithm(Protocol):
 def inputs(master: Master, component: int, hold: bool, period: int = 1) -> list[Row]:
     """Give a component its inputs for a step of `period` ticks: as they are, or on their last slope."""
     def code(group: Group) -> int:
-        return P.SET if not hold or group.suffix != "Real" else P.SLOPE if group.interpolates else P.PREDICT
+        if group.in_events:
+            return P.OFFER
+        return P.SET if not hold or not group.real else P.SLOPE if group.interpolates else P.PREDICT
     return [row(code(g), g.number, period, 0, period) for g in master.wiring.inputs[component]]
 
 
 def step(component: int, period: int = 1) -> Row:
-    """One fmi2DoStep of a component, over `period` ticks."""
+    """One step of a component, over `period` ticks."""
     return row(P.STEP, component, period, 0, period)
 
 
 def outputs(master: Master, component: int, hold: bool, decimate: int = 1, period: int = 1) -> list[Row]:
     """Read what others need, and on recorded ticks what is only to be recorded."""
     def when(group: Group) -> tuple[int, int]:
-        return (period, 0) if period > 1 or group.connected or decimate == 1 else (decimate, decimate - 1)
+        return (period, 0) if period > 1 or group.connected else (decimate, decimate - 1)
     marks = [row(P.MARK, component, period, 0, period)] if hold or period > 1 else []
     return marks + [row(P.GET, g.number, *when(g)) for g in master.wiring.outputs[component]]
 

@@ -20,11 +20,10 @@ import numpy as np
 from ...errors import RunError, UsageError
 from .. import program as P
 from ..dependencies import value_needs
-from ..instance import DISCARD
 from ..loaded import NO_ROWS, NO_TIMES, Ended, Master
 from ..program import row
 from .base import Experiment, chosen_order, need_states, turn
-from .options import ORDER, Options, linear, positive
+from .options import ORDER, Options, linear, tolerance
 
 MOST_STEPS, SHORTEST = 100, 1e-6  # times the first step
 SAFETY, SHRINK, GROW = 0.9, 0.2, 3.0
@@ -32,7 +31,7 @@ SAFETY, SHRINK, GROW = 0.9, 0.2, 3.0
 
 class Variable:
     """Gauss-Seidel with a step that the estimated error sets."""
-    OPTIONS: ClassVar[Options] = {"tolerance": (1e-6, positive), "hold": (True, linear), **ORDER}
+    OPTIONS: ClassVar[Options] = {"tolerance": (1e-6, tolerance), "hold": (True, linear), **ORDER}
 
     def __init__(self, master: Master, options: dict[str, Any], experiment: Experiment):
         need_states(master, "variable")
@@ -52,7 +51,7 @@ class Variable:
         smooth = [s for s in w.sources if w.smooth[s]]
         states = [s for s in smooth if not needs[w.slots[s]]]
         self.slots = np.array(states or smooth, np.int64)
-        followed = all(g.interpolates for groups in w.inputs for g in groups if g.suffix == "Real")
+        followed = all(g.interpolates for groups in w.inputs for g in groups if g.real)
         second = hold and (followed or len(states) == len(smooth))
         self.power: float = 1 / 3 if second else 1 / 2  # one over the local error's order
         self.end: Ended | None = None         # the FMU that ended the simulation in the last attempt
@@ -119,7 +118,7 @@ class Variable:
         """Take `count` steps; False if an FMU discards one and a shorter one may be tried."""
         master, self.end = self.master, None
         status = master.attempt(self.ops, 0, count, self.time, step, NO_ROWS, NO_TIMES, 0)
-        discarded = status == DISCARD and self.ops[master.cursor[P.AT], 0] == P.STEP
+        discarded = status == P.DISCARD and self.ops[master.cursor[P.AT], 0] == P.STEP
         try:
             if not discarded or step * SHRINK <= SHORTEST * self.experiment.step:
                 master.check(status, self.ops, self.time, step)

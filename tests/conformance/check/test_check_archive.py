@@ -54,6 +54,14 @@ def test_names_that_lead_outside_are_refused_before_anything_is_written(tmp_path
     assert sorted(path.name for path in tmp_path.rglob("*")) == ["out", "x.fmu"]
 
 
+def test_only_deflate_is_unpacked(tmp_path: Path) -> None:
+    (tmp_path / "out").mkdir()
+    file = write(tmp_path / "x.fmu", {"a.txt": b"one"}, zipfile.ZIP_BZIP2)
+    with pytest.raises(BadArchive, match=r"the member 'a\.txt' is compressed by method 12, not deflate") as caught:
+        safe_extract(file, tmp_path / "out")
+    assert caught.value.rule == "archive.compression" and not list((tmp_path / "out").iterdir())
+
+
 def _small_zip() -> bytes:
     buffer = io.BytesIO()
     with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:

@@ -1,0 +1,50 @@
+"""Signals that end the program, as exceptions: what is open is closed, and temporary files go.
+
+An exception can get lost, since Python swallows those that are raised in some of its callbacks, for example those of
+imports. Therefore an alarm follows: if nothing is being closed when it comes, the exception is raised again.
+"""
+import signal
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from ..master.interruptions import ASKING, HELD
+
+AGAIN_S = 0.2
+
+
+@contextmanager
+def ending() -> Iterator[None]:
+    """Ctrl-C as KeyboardInterrupt, SIGTERM and SIGHUP as SystemExit with 128 + their number. Once one has come, and
+    after the context, such signals do nothing more."""
+    taken = [number for number in ASKING if signal.getsignal(number) != signal.SIG_IGN]  # nohup ignores SIGHUP
+    for number in taken:
+        signal.signal(number, end)
+    try:
+        yield
+    finally:
+        for number in taken:
+            signal.signal(number, signal.SIG_IGN)
+        if hasattr(signal, "setitimer"):
+            signal.setitimer(signal.ITIMER_REAL, 0)
+
+
+def end(number: int, _: object = None) -> None:
+    """End the program because of the signal `number`, unless that is under way."""
+    if hasattr(signal, "setitimer"):
+        signal.signal(signal.SIGALRM, lambda *_: end(number))
+        signal.setitimer(signal.ITIMER_REAL, AGAIN_S)
+    if HELD:
+        HELD[0].append(number)
+    elif not unwinding():
+        raise KeyboardInterrupt if number == signal.SIGINT else SystemExit(128 + number)
+
+
+def unwinding() -> bool:
+    """Whether an exception that ends the program is being handled: it runs through the blocks that close things."""
+    error = sys.exc_info()[1]
+    while error is not None:
+        if isinstance(error, KeyboardInterrupt | SystemExit):
+            return True
+        error = error.__context__
+    return False

@@ -1,0 +1,31 @@
+"""`ahv recover`."""
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from .options import Json
+from .show import conclude, note, report
+
+
+def recover(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="The folder of the run.")],
+    out: Annotated[Path | None, typer.Option(help="Folder for the results; else DIR itself.")] = None,
+    as_json: Json = False,
+) -> None:
+    """Make results of the rows that a run with --stream left when it was killed, or when the disk was full."""
+    from ..master.folder import expanded, kind_of
+
+    if kind_of(expanded(folder)) == "simulate":
+        from ..ssp.simulate import recover as simulated
+
+        summary, flight, trouble = simulated(folder, out)
+        notes = []
+    else:
+        from ..vehicle.run import recover as recovered
+
+        done = recovered(folder, out)
+        summary, flight, trouble, notes = done.summary, done.flight, done.trouble, done.notes
+    note([*notes, *flight.warnings, flight.message])
+    report(summary, as_json)
+    conclude(True, [], trouble)

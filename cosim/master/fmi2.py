@@ -1,0 +1,92 @@
+"""What is particular to FMI 2.0: how values are moved, how an instance is made and initialised, how it tells its end.
+
+`fmi3` has the same names; `instance.Standard` says what they mean.
+"""
+import ctypes
+import math
+from typing import TYPE_CHECKING, Any
+
+import fmpy
+from fmpy.fmi2 import (
+    fmi2CallbackAllocateMemoryTYPE,
+    fmi2CallbackFreeMemoryTYPE,
+    fmi2CallbackFunctions,
+    fmi2CallbackLoggerTYPE,
+    fmi2StepFinishedTYPE,
+)
+from fmpy.logging import addLoggerProxy
+
+from .logger import ENVIRONMENTS, log
+from .program import OK, REAL, TEXT, WARNING, WHOLE
+
+if TYPE_CHECKING:
+    from .instance import Instance
+
+PREFIX, TOKEN, PLATFORM, STATE, COUNTS_VALUES = "fmi2", "guid", fmpy.platform, "FMUstate", False
+DESERIALIZE = "DeSerialize"
+TYPES = {"Real": ("Real", REAL), "Integer": ("Integer", WHOLE), "Enumeration": ("Integer", WHOLE),
+         "Boolean": ("Boolean", WHOLE), "String": ("String", TEXT)}
+LAST_SUCCESSFUL_TIME, TERMINATED = 2, 3  # fmi2StatusKind
+CO_SIMULATION = 1                        # fmi2Type
+
+
+def make_callbacks() -> fmi2CallbackFunctions:
+    """The callbacks that all instances are given."""
+    callbacks = fmi2CallbackFunctions()
+    callbacks.logger = fmi2CallbackLoggerTYPE(log)
+    callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(fmpy.calloc)
+    callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(fmpy.free)
+    callbacks.stepFinished = fmi2StepFinishedTYPE()
+    addLoggerProxy(ctypes.byref(callbacks))  # formats printf-style messages; there is one per process
+    return callbacks
+
+
+CALLBACKS = make_callbacks()
+
+
+def instantiate(instance: "Instance") -> int | None:
+    """fmi2Instantiate; where the instance is, or None."""
+    callbacks = fmi2CallbackFunctions.from_buffer_copy(CALLBACKS)
+    callbacks.componentEnvironment = instance.number
+    ENVIRONMENTS[instance.number].callbacks = callbacks
+    text, flag, pointer = ctypes.c_char_p, ctypes.c_int, ctypes.c_void_p
+    make = instance.library.function("fmi2Instantiate", pointer, text, flag, text, text, pointer, flag, flag)
+    made: int | None = make(instance.name.encode(), CO_SIMULATION, instance.token.encode(),
+                            (instance.file.folder / "resources").resolve().as_uri().encode(),
+                            ctypes.addressof(callbacks), 0, 1)
+    return made
+
+
+def enter(instance: "Instance", start: float, stop: float, tolerance: float | None) -> None:
+    """Set the experiment up, and enter Initialization Mode."""
+    instance.setup(start, stop, tolerance)
+    instance.simple("fmi2EnterInitializationMode")
+
+
+def leave(instance: "Instance", start: float) -> None:
+    """Leave Initialization Mode, ready to step."""
+    instance.simple("fmi2ExitInitializationMode")
+
+
+def ended_at(instance: "Instance", begun: float, until: float) -> float | None:
+    """See `Instance.ended_at`."""
+    ended, time = inquire(instance, "Boolean", TERMINATED, ctypes.c_int()), None
+    if ended:
+        time = inquire(instance, "Real", LAST_SUCCESSFUL_TIME, ctypes.c_double())
+    if not ended or not instance.alive:
+        return None
+    return begun if time is None or not math.isfinite(time) else min(max(time, begun), until)
+
+
+def inquire(instance: "Instance", kind: str, status: int, value: Any) -> Any:
+    """fmi2Get...Status into the ctypes `value`: what it is then, or None if the FMU has no such function or refuses."""
+    call = f"fmi2Get{kind}Status"
+    if not instance.library.has(call):
+        return None
+    answer = instance.call(call, ctypes.c_int(status), ctypes.c_void_p(ctypes.addressof(value)))
+    return value.value if answer in (OK, WARNING) else None
+
+
+def uses_events(instance: "Instance") -> bool:
+    """Whether the instance has an event mode."""
+    return False
