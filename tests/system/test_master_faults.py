@@ -2,6 +2,7 @@
 import os
 import signal
 import threading
+import time
 from pathlib import Path
 
 import psutil
@@ -9,6 +10,7 @@ import pytest
 import small
 
 from cosim.errors import RunError, UsageError
+from cosim.master import last_call, program
 from cosim.master.algorithms import method
 from cosim.master.flight import fly, fly_loaded
 from cosim.master.isolated import fly_isolated
@@ -102,13 +104,31 @@ def test_an_interrupted_run_keeps_its_rows(tmp_path, flown):
     assert len(flight.time) == flight.ticks + 1 > 100
 
 
-def test_a_second_interrupt_ends_a_flight_that_hangs(tmp_path):
-    timers = [threading.Timer(wait, os.kill, (os.getpid(), signal.SIGTERM)) for wait in (1.0, 1.5)]
-    for timer in timers:
-        timer.start()
-    flight = fly_isolated(faulty(tmp_path, "hang"), 0.01, 1.0, "jacobi")
-    for timer in timers:
-        timer.join()
+def test_a_second_interrupt_ends_a_flight_that_hangs(tmp_path, monkeypatch):
+    places, over = [], threading.Event()
+
+    class Place(last_call.Place):
+        def __init__(self):
+            super().__init__()
+            places.append(self)
+
+    def interrupt():
+        while not over.is_set() and not (places and tuple(places[0].cursor[[program.TICK, program.CODE]])
+                                         == (74, program.STEP)):
+            time.sleep(0.01)
+        while not over.is_set():
+            os.kill(os.getpid(), signal.SIGTERM)
+            time.sleep(0.2)
+
+    monkeypatch.setattr(last_call, "Place", Place)
+    previous, sender = signal.signal(signal.SIGTERM, lambda number, frame: None), threading.Thread(target=interrupt)
+    try:
+        sender.start()
+        flight = fly_isolated(faulty(tmp_path, "hang"), 0.01, 1.0, "jacobi")
+    finally:
+        over.set()
+        sender.join()
+        signal.signal(signal.SIGTERM, previous)
     assert not flight.finished and len(flight.time) == 75
     assert flight.message == "left (small_indirect.fmu) was interrupted in fmi2DoStep at t = 0.74 s"
 
