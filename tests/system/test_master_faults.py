@@ -95,10 +95,16 @@ def test_wrong_use_stays_wrong_use_in_isolation(tmp_path):
 @pytest.mark.parametrize("flown", [fly, fly_isolated])
 def test_an_interrupted_run_keeps_its_rows(tmp_path, flown):
     system = small.pair(small.build(tmp_path), substeps=200.0)
-    threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGTERM)).start()
-    if flown is fly_isolated:
-        threading.Timer(0.5, lambda: [os.kill(c.pid, signal.SIGTERM)
-                                      for c in psutil.Process().children()]).start()
+
+    def interrupt():
+        while signal.getsignal(signal.SIGTERM) == signal.SIG_DFL:  # it would end the tests
+            time.sleep(0.01)
+        time.sleep(1.0)
+        os.kill(os.getpid(), signal.SIGTERM)
+        for child in psutil.Process().children() if flown is fly_isolated else []:
+            os.kill(child.pid, signal.SIGTERM)
+
+    threading.Thread(target=interrupt).start()
     flight = flown(system, 0.001, 3000.0, "jacobi", record=["left.y"])
     assert not flight.finished and flight.message.startswith("Interrupted at t = ")
     assert len(flight.time) == flight.ticks + 1 > 100
