@@ -78,10 +78,10 @@ def report_no_instance(bench: Bench, name: str) -> None:
         bench.is_over = True
         return
     severity = "warning" if bench.job.claims.get("needsExecutionTool") else None
-    number = bench.library.made
+    lived = bench.library.lived
     found, impact = f"a null pointer{words}", None
-    if number > 1:
-        found += f" for instance number {number} of the process, while fewer than 3 were alive (probe '{name}')"
+    if lived:
+        found += f" after {lived} instances in one process, of which at most two lived at a time (probe '{name}')"
         impact = "other tools refuse it"
         bench.is_over = True  # a fresh process may do better
     bench.fault("dynamic.instantiate", "fmi2Instantiate", found, "an instance", severity, impact)

@@ -118,7 +118,7 @@ def make_job(fmu: Fmu, library: Path, time_limit: float, cycles: int) -> Job:
     if not step or step <= 0:
         step = (stop - start) / 100 if stop is not None and stop > start else 0.01
     tolerance = given.get("tolerance") or 0.0
-    tolerance = tolerance if 0 < tolerance < 1 else TOLERANCE
+    has_tolerance = 0 < tolerance < 1
     fitting = int((stop - start) / step + 1e-9) if stop is not None and stop > start else STEPS
     steps = max(2, min(STEPS, fitting))  # not beyond the default stop time
     claims = {flag: 1 for flag in FLAGS if fmu.description.claims(flag)}
@@ -131,7 +131,8 @@ def make_job(fmu: Fmu, library: Path, time_limit: float, cycles: int) -> Job:
         stop=stop,
         step=step,
         has_step=has_step,
-        tolerance=tolerance,
+        tolerance=tolerance if has_tolerance else TOLERANCE,
+        has_tolerance=has_tolerance,
         claims=claims | ({"maxOutputDerivativeOrder": order} if order else {}),
         categories=[c.get("name", "") for c in fmu.description.root.iterfind("LogCategories/Category")],
         variables=[known_variable(v, v.causality == "output" or v.index in fmu.description.states)
@@ -274,7 +275,9 @@ def report_death(report: Report, job: Job, probe: str, death: str, call: str, li
         report.skip(probe, f"slow: not finished within {MOST_LIMITS * limits.call_s:g} s")
     elif death.startswith("limit: "):
         found = f"{death.removeprefix('limit: ')}, in {call} (probe '{probe}')"
-        report.add("dynamic.limits", Fault(call, found, "what the check's limits allow"))
+        is_late = death.endswith("whole check")  # a slow FMU, or a slow machine
+        report.add("dynamic.limits", Fault(call, found, "what the check's limits allow"), WARNING if is_late else None,
+                   FORMAL if is_late else None)
     elif death == "hang" and call == "fmi2DoStep" and not job.has_step and severity is None:
         report.skip(probe, f"slow: a step of {job.step:g} s did not end within {limits.call_s:g} s (the file names no "
                            "preferred step)")

@@ -31,6 +31,7 @@ class Job:
     step: float
     has_step: bool  # whether the file names it
     tolerance: float  # of a trajectory by its own scale: what the FMU's solver may differ
+    has_tolerance: bool  # whether the file names it; then tolerance times nominal is allowed too, as solvers do (2.2.3)
     claims: dict[str, int]  # capability flags of 4.3.1 that are not false
     categories: list[str]  # names of the log categories
     variables: list[Known]
