@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import UsageError
-from ..master.flight import Flight
+from ..master.flight import Flight, tick_count
 from ..master.folder import claimed
 from ..master.interruptions import interruptions
 from ..master.isolated import fly_isolated
@@ -36,6 +36,7 @@ def simulate(path: Path, step: float | None, stop: float | None, algorithm: str,
             note(f"{path} does not say how large the step is: {DEFAULT_STEP} s is taken.")
         for name in found.ignored:
             note(f"the parameter {name} fits no variable and is ignored.")
+        tick_count(size, end, found.start)
         said = {"system": found.name, "components": list(found.sources), "algorithm": algorithm, "step_s": size,
                 "stop_s": end}
         files = {component: f"{path}/{source}" for component, source in found.sources.items()}
