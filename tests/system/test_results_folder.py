@@ -20,7 +20,7 @@ from cosim.master import publish as publishing
 from cosim.master.folder import claimed
 from cosim.master.publish import KINDS, publish
 from cosim.master.system import Component, System
-from cosim.ssp.simulate import simulate
+from cosim.systems.simulate import simulate
 from cosim.ssp.write import write as write_ssp
 from cosim.vehicle import scenarios
 from cosim.vehicle.closed_loop import closed_loop
