@@ -35,6 +35,7 @@ class Kind:
     head: str
     key: str                 # in every head of ours
     files: tuple[str, ...]   # patterns of what is beside the head
+    signs: tuple[str, ...] = ()  # of these files each says that the folder, if so marked, is ours without a head
 
 
 KINDS = {
@@ -43,7 +44,7 @@ KINDS = {
     "compare": Kind("a comparison", "compare.json", "controllers", ("compare_*.png",)),
     "campaign": Kind("a campaign", "campaign.json", "dispersions", (
         "campaign.yaml", "parts", "receipt.json", "runs.parquet", "signals.parquet", "errors.parquet", "report.html",
-        "report.json", "figures")),
+        "report.json", "figures"), ("receipt.json", "parts/.campaign")),
     "tune": Kind("a tuning", "tune.json", "budget", ()),
 }
 

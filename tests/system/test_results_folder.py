@@ -15,9 +15,10 @@ import pyarrow.parquet
 import pytest
 
 from cosim.cli import show
+from cosim.cli.options import place
 from cosim.errors import RunError, UsageError
 from cosim.master import publish as publishing
-from cosim.master.folder import claimed
+from cosim.master.folder import claimed, expanded
 from cosim.master.publish import KINDS, publish
 from cosim.master.system import Component, System
 from cosim.ssp.write import write as write_ssp
@@ -166,6 +167,19 @@ def test_the_home_folder_is_meant_in_one_place(work, tmp_path, monkeypatch):
     assert [path.name for path in tmp_path.iterdir()] == ["home"]
     with pytest.raises(UsageError, match="no such home folder"):
         run("hold", stop=0.1, out=Path("~nobody_here/x"))
+
+
+        expected = tmp_path / path if "e/" in path else Path(path)
+        assert place(word) == expected == expanded(place(word))
+def test_a_folder_called_tilde_is_not_the_home_folder(word, path, tmp_path, monkeypatch):
+    (tmp_path / "here").mkdir()
+    monkeypatch.setenv("HOME", str(tmp_path / "home"))
+    monkeypatch.chdir(tmp_path / "here")
+    if path:
+        assert place(word) == (tmp_path / path if "e/" in path else Path(path)) == expanded(place(word))
+    else:
+        with pytest.raises(UsageError, match="no such home folder"):
+            place(word)
 
 
 # What a program that is ended leaves. The former results have files a and b, the new ones a and c.

@@ -16,8 +16,12 @@ import psutil
 import pyarrow.parquet
 import pytest
 import small
+from campaigns import written
 from places import AHV
 
+from cosim.campaign.plan import load
+from cosim.campaign.resume import prepare
+from cosim.campaign.store import Store
 from cosim.ssp.write import write
 
 TAG = "AHV_TEST_TAG"
@@ -37,6 +41,7 @@ def files(tmp_path_factory):
                                ("hang_init", {}, 1.0), ("hang_terminate", {}, 1.0)):
         fault = small.FAULTS.index(name if name in small.FAULTS else "none")
         write(folder / f"{name}.ssp", name, small.pair(fmu, fault=fault, **values), 0.01, stop)
+    written(folder / "campaign", runs=40, stop=40, runs_per_task=1)
     return folder
 
 
@@ -89,10 +94,11 @@ def commands(native_fmus, files):
         "simulate": ("simulate", files / "slow.ssp"),
         "simulate-stream": ("simulate", files / "slow.ssp", "--stream"),
         "check": ("check", native_fmus["AhvPlant"]),
+        "campaign": ("campaign", files / "campaign" / "campaign.yaml", "--workers", "2"),
     }
 
 
-NAMES = ["run", "stream", "isolate", "python", "compare", "simulate", "simulate-stream", "check"]
+NAMES = ["run", "stream", "isolate", "python", "compare", "simulate", "simulate-stream", "check", "campaign"]
 
 
 def consistent(out: Path) -> None:
@@ -102,6 +108,12 @@ def consistent(out: Path) -> None:
         record = json.loads((out / "run.json").read_text())
         table = pyarrow.parquet.read_table(out / "signals.parquet")
         assert table.num_rows == record["ticks"] + 1 and len(table.column_names) == len(record["signals"]) + 1
+
+
+def resumable(out: Path, file: Path) -> None:
+    """Nothing of the campaign's is damaged: --resume would go on with all that is there."""
+    store = Store(out, load(file))
+    assert not out.exists() or prepare(store, True, file.read_text()) == []
 
 
 def interrupted_at(moment: float, number: int, words, folder: Path) -> None:
@@ -121,6 +133,9 @@ def interrupted_at(moment: float, number: int, words, folder: Path) -> None:
         subprocess.run([AHV, "info", words[1] if words[0] == "check" else small.build(folder)], check=True,
                        env=command.environment, stdout=subprocess.DEVNULL)
         assert command.left() == []
+    if words[0] == "campaign":
+        resumable(command.out, words[1])
+    elif number == signal.SIGKILL:
         if words[0] in ("run", "simulate") and command.out.exists():
             done = subprocess.run([AHV, "recover", command.out], env=command.environment, capture_output=True,
                                   text=True)
