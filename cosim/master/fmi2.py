@@ -57,7 +57,7 @@ def instantiate(instance: "Instance") -> int | None:
     return made
 
 
-def enter(instance: "Instance", start: float, stop: float, tolerance: float | None) -> None:
+def enter(instance: "Instance", start: float, stop: float | None, tolerance: float | None) -> None:
     """Set the experiment up, and enter Initialization Mode."""
     instance.setup(start, stop, tolerance)
     instance.simple("fmi2EnterInitializationMode")

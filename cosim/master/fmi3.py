@@ -62,11 +62,11 @@ def instantiate(instance: "Instance") -> int | None:
     return None
 
 
-def enter(instance: "Instance", start: float, stop: float, tolerance: float | None) -> None:
+def enter(instance: "Instance", start: float, stop: float | None, tolerance: float | None) -> None:
     """Enter Initialization Mode."""
     call = "fmi3EnterInitializationMode"
     instance.check(instance.call(call, FLAG(tolerance is not None), REAL_TYPE(tolerance or 0.0), REAL_TYPE(start),
-                                 FLAG(True), REAL_TYPE(stop)), call)
+                                 FLAG(stop is not None), REAL_TYPE(stop or 0.0)), call)
 
 
 def leave(instance: "Instance", start: float) -> None:

@@ -97,9 +97,9 @@ class Exchange:
 
 
 def initialise(system: System, instances: Mapping[str, Instance], targets: Mapping[str, Connection],
-               start: float, stop: float, tolerance: float | None = None) -> None:
-    """From instantiated, with parameters set, to ready to step. Times in s; the relative tolerance is each FMU's own,
-    of its default experiment, if it is None.
+               start: float, stop: float | None, tolerance: float | None = None) -> None:
+    """From instantiated, with parameters set, to ready to step. Times in s, no stop if the run may go on. A relative
+    tolerance of None means each FMU's own, of its default experiment.
 
     Raises RunError if an FMU refuses, or if the values of a loop do not settle.
     """

@@ -182,8 +182,9 @@ class Instance:
 
     # --- life cycle -----------------------------------------------------------------------------------
 
-    def enter(self, start: float, stop: float, tolerance: float | None = None) -> None:
-        """From instantiated into Initialization Mode; times in s, a relative tolerance if there is one."""
+    def enter(self, start: float, stop: float | None, tolerance: float | None = None) -> None:
+        """From instantiated into Initialization Mode. Times in s, no stop if the run may go on; the tolerance is relative.
+        """
         self.standard.enter(self, start, stop, tolerance)
 
     def leave(self, start: float) -> None:
@@ -196,11 +197,11 @@ class Instance:
         self.messages.clear()
         self.given.clear()
 
-    def setup(self, start: float, stop: float, tolerance: float | None = None) -> None:
+    def setup(self, start: float, stop: float | None, tolerance: float | None = None) -> None:
         """fmi2SetupExperiment; times in s."""
         real, flag = ctypes.c_double, ctypes.c_int
         status = self.call("fmi2SetupExperiment", flag(tolerance is not None), real(tolerance or 0.0), real(start),
-                           flag(1), real(stop))
+                           flag(stop is not None), real(stop or 0.0))
         self.check(status, "fmi2SetupExperiment")
 
     def simple(self, call: str) -> None:

@@ -88,8 +88,9 @@ class Master:
 
     # --- life cycle -----------------------------------------------------------------------------------
 
-    def initialise(self, start: float, stop: float) -> None:
-        """Set values, then exchange outputs and inputs until all FMUs are ready to step. Times in s.
+    def initialise(self, start: float, stop: float | None) -> None:
+        """Set values, then exchange outputs and inputs until all FMUs are ready to step. Times in s; no stop if the run
+        may go on after it.
 
         Raises RunError if an FMU refuses, or if the values do not settle.
         """
@@ -97,9 +98,13 @@ class Master:
             instance.set(self.values[instance.name])
         initialise(self.system, {i.name: i for i in self.instances}, self.targets, start, stop, self.tolerance)
         self.wiring.begin(self.instances)
-        self.run(P.program(P.row(P.GET, g.number) for groups in self.wiring.outputs for g in groups), 0, 1, start, 0.0)
+        self.show(start)
         self.wiring.before[:] = self.wiring.signals
         self.wiring.clock[:] = start
+
+    def show(self, time: float) -> None:
+        """Read what is connected or recorded, at `time` (s). Raises RunError if an FMU refuses."""
+        self.run(P.program(P.row(P.GET, g.number) for groups in self.wiring.outputs for g in groups), 0, 1, time, 0.0)
 
     def reset(self, system: System) -> None:
         """Back to before initialisation, to fly `system`: the same components and connections, other values.

@@ -20,7 +20,7 @@ class Standard(Protocol):
     def instantiate(self, instance: "Instance") -> int | None:
         """Make the instance; where it is, or None. Says in `instance.uses_events` whether it has an event mode."""
 
-    def enter(self, instance: "Instance", start: float, stop: float, tolerance: float | None) -> None:
+    def enter(self, instance: "Instance", start: float, stop: float | None, tolerance: float | None) -> None:
         """From instantiated to Initialization Mode; times in s. Raises RunError."""
 
     def leave(self, instance: "Instance", start: float) -> None:

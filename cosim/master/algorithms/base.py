@@ -47,6 +47,9 @@ class Algorithm(Protocol):
     def advance(self, most: int) -> None:
         """Take at most `most` steps. Raises RunError if an FMU refuses one, Ended if one ends the simulation."""
 
+    def go_on(self, ticks: int, time: float) -> None:
+        """Begin after `ticks` steps, at `time` (s): where a saved run was."""
+
 
 def inputs(master: Master, component: int, hold: bool, period: int = 1) -> list[Row]:
     """Give a component its inputs for a step of `period` ticks: as they are, or on their last slope."""
@@ -111,6 +114,10 @@ class Even:
     def done(self) -> bool:
         """Whether the experiment's stop is reached."""
         return self.ticks == self.experiment.ticks
+
+    def go_on(self, ticks: int, time: float) -> None:
+        """Begin after `ticks` steps, at `time` (s): where a saved run was."""
+        self.ticks = ticks
 
     def last_row(self, end: Ended, ops: np.ndarray, at: int) -> None:
         """Record the time at which an FMU ended the simulation in the row `at` of `ops`, where the others can reach it.
