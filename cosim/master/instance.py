@@ -183,8 +183,7 @@ class Instance:
     # --- life cycle -----------------------------------------------------------------------------------
 
     def enter(self, start: float, stop: float | None, tolerance: float | None = None) -> None:
-        """From instantiated into Initialization Mode. Times in s, no stop if the run may go on; the tolerance is relative.
-        """
+        """From instantiated into Initialization Mode. Times in s, no stop if the run may go on; a relative tolerance."""
         self.standard.enter(self, start, stop, tolerance)
 
     def leave(self, start: float) -> None:
