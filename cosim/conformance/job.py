@@ -39,7 +39,7 @@ class Job:
     steps: int  # of a run
     cycles: int  # how often the memory probe instantiates and frees
     patience: float  # seconds that a probe may use on repetitions
-    budget: float  # seconds of computing that are left; without any, further probes are left out
+    until: float  # by the system's monotonic clock: after this time no probe begins
 
     def to_json(self) -> str:
         """The job as text, for `read`."""
