@@ -183,7 +183,7 @@ class Instance:
     # --- life cycle -----------------------------------------------------------------------------------
 
     def enter(self, start: float, stop: float | None, tolerance: float | None = None) -> None:
-        """From instantiated into Initialization Mode. Times in s, no stop if the run may go on; a relative tolerance."""
+        """From instantiated into Initialization Mode. Times in s, no stop if the run may go on; relative tolerance."""
         self.standard.enter(self, start, stop, tolerance)
 
     def leave(self, start: float) -> None:
