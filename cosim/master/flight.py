@@ -21,9 +21,10 @@ from .memory import free_memory
 from .pace import Pace
 from .progress import Progress
 from .recording import CHUNK_ROWS, Recorder, Stream
-from .saved import Saved, load, need_bytes, save
 from .series import Series
+from .state import State, need_even, need_serialised, write_state
 from .system import System
+from .table import Table
 from .wiring import Signal
 
 MOST_TICKS = 1e12  # 11 days at a microsecond each
@@ -201,19 +202,19 @@ def row_count(step: float, stop: float, decimate: int, start: float = 0.0) -> in
 def fly(system: System, step: float, stop: float, algorithm: str | Method = "gauss-seidel",
         progress: Progress | None = None, *, start: float | None = None, tolerance: float | None = None,
         record: list[str] | None = None, decimate: int = 1, plain: bool = False,
-        real_time: float | None = None, stream: Path | None = None, save: Path | None = None,
-        restore: Path | None = None, recorder: MakeRecorder | None = None, begun: Begun | None = None,
-        flown: Flown | None = None) -> Flight:
+        real_time: float | None = None, stream: Path | None = None, recorder: MakeRecorder | None = None,
+        begun: Begun | None = None, flown: Flown | None = None, inputs: Table | None = None,
+        save: Path | None = None, restore: State | None = None) -> Flight:
     """Fly `system` from `start` (None: the system's) to `stop` (s) in communication steps of `step` (s).
 
     `algorithm` is a word as in `algorithms.method`. `tolerance` is the relative one that FMUs are asked to keep (None:
     what each declares in its default experiment). `record` picks the variables to keep, by component.variable with *
     for any (None: all numeric outputs), `decimate` every how many ticks; `stream` is a file to write them to as they
     come, see `recording.Stream`, and then memory keeps a part only. `plain` takes the tick loop in Python. `real_time`
-    paces the run, times that factor. `save` is a file that gets the whole run as it is at the stop, and `restore` one
-    to go on from, with its parameters, instead of `start`. `recorder` makes another place for the rows, and `begun` is
-    told before the first tick what is known by then, with the FMU calls of the programs; `flown` is told the flight
-    before its FMUs are ended.
+    paces the run, times that factor. `recorder` makes another place for the rows, and `begun` is told before the first
+    tick what is known by then, with the FMU calls of the programs; `flown` is told the flight before its FMUs
+    are ended. `inputs` has inputs over time. `save` is a file for the whole state at the end, `restore` the state of
+    such a file to go on from: to the last bit as the flight that it was saved of would have gone on.
 
     An FMU that refuses a step ends the run early: what was flown is in the result, `finished` is false
     and `message` names the FMU, the call, the time and its reason. So does Ctrl-C. An FMU may also end the simulation
@@ -223,21 +224,26 @@ def fly(system: System, step: float, stop: float, algorithm: str | Method = "gau
     FMUs cannot be started.
     """
     chosen = algorithm if isinstance(algorithm, Method) else method(algorithm)
-    last = load(restore) if restore else None
-    start = origin(last, step, start) if last else system.start if start is None else start
+    start = restore.start if restore else system.start if start is None else start
     ticks = tick_count(step, stop, start)
-    if last and not last.time < stop:
-        raise UsageError(f"--stop {stop:g} s must be after {last.time:g} s, where {restore} was saved.")
+    if save or restore:
+        need_even(chosen)
+    if restore:
+        restore.check(step, chosen.word, ticks)
     if tolerance is not None and not 0 < tolerance < inf:
         raise UsageError(f"--tolerance {tolerance:g} must be a positive number.")
     began = time.perf_counter()
     with open_files(system) as files:
-        master = Master(system, files, record, plain, decimate > 1, tolerance)
+        master = Master(system, files, record, plain, decimate > 1, tolerance, inputs)
         try:
+            if save or restore:
+                need_serialised(master)
             flight = fly_loaded(master, chosen, step, ticks, progress, decimate, real_time,
                                 recorder(master.columns) if recorder else make_recorder(
                                     master.columns, stream, row_count(step, stop, decimate, start)),
-                                begun, began, start, last, save)
+                                begun, began, start, restore, bool(save or restore))
+            if save and flight.ended_at is None and (flight.finished or flight.interrupted):
+                keep_state(save, master, flight, start, step, chosen.word, restore.tick if restore else 0)
             if flown:
                 flown(flight)
             return flight
@@ -259,22 +265,19 @@ def make_recorder(columns: list[Signal], stream: Path | None, rows: int) -> Reco
 def fly_loaded(master: Master, chosen: Method, step: float, ticks: int, progress: Progress | None = None,
                decimate: int = 1, real_time: float | None = None, recorder: Recorder | None = None,
                begun: Begun | None = None, began: float | None = None, start: float = 0.0,
-               last: Saved | None = None, save_to: Path | None = None) -> Flight:
-    """The same with FMUs that are loaded, or were reset (`Master.reset`), from `start` (s) or from where `last` was."""
+               restore: State | None = None, goes_on: bool = False) -> Flight:
+    """The same with FMUs that are loaded, or were reset (`Master.reset`), from `start` (s) on; with a state from where
+    that was saved, where `start` and `ticks` are those of the whole flight. If it `goes_on`, FMUs are told no stop."""
     began = time.perf_counter() if began is None else began
     recorder = recorder or Recorder(master.columns)
-    experiment = Experiment(start, step, ticks, recorder, decimate)
+    experiment = Experiment(start, step, ticks, recorder, decimate, restore.tick if restore else 0)
     try:
         if real_time is not None and not 0 < real_time < float("inf"):
             raise UsageError(f"--real-time {real_time:g} must be a positive number.")
-        if last or save_to:
-            need_bytes(master)
         running = chosen.algorithm(master, chosen.options, experiment)
-        master.initialise(start, None if save_to else experiment.stop)  # FMUs may refuse steps after a stop
-        if last:
-            last.put(master)
-            running.go_on(last.ticks if last.start == start else 0, last.time)
-        taken = running.ticks
+        master.initialise(start, None if goes_on else experiment.stop)
+        if restore:
+            restore.into(master)
         flight = Flight(time=np.empty(0), signals=np.empty((0, len(master.columns))), columns=master.columns,
                         finished=False, message="", startup_s=0.0, wall_s=0.0,
                         parameters={i.name: inquire(i) for i in master.instances}, fmus=origins(master),
@@ -283,7 +286,7 @@ def fly_loaded(master: Master, chosen: Method, step: float, ticks: int, progress
         recorder.about(known_of(flight))
         if begun:
             begun(flight, master.calls())
-        recorder.add(running.time, master.row())
+        recorder.add(running.time, master.row_at(running.time, step))
     except BaseException:
         recorder.abandon()
         raise
@@ -292,26 +295,23 @@ def fly_loaded(master: Master, chosen: Method, step: float, ticks: int, progress
     with interruptions() as interrupted:
         flight.message, flight.ended_at = advance(running, experiment, progress, pace, interrupted)
         flight.wall_s = time.perf_counter() - began
-        flight.finished, flight.ticks = not flight.message or flight.ended_at is not None, running.ticks - taken
+        flight.finished = not flight.message or flight.ended_at is not None
+        flight.ticks = running.ticks - experiment.first
         flight.reached = running.time if flight.ended_at is None else flight.ended_at
-        if save_to and not flight.message:
-            try:
-                save(save_to, master, start, step, running.ticks, running.time)
-            except RunError as error:
-                flight.finished, flight.message = False, str(error)
         take_rows(flight, recorder)
     flight.interrupted = interrupted[0] if interrupted else 0
     flight.lateness = pace.report() if pace else None
     return flight
 
 
-def origin(last: Saved, step: float, start: float | None) -> float:
-    """The start (s) from which steps are counted when a run goes on: that of the former one if the steps are the same,
-    so that their times are too. Raises UsageError for a start that is another time."""
-    if start is not None and start != last.time:
-        raise UsageError(f"--start {start:g} s is not {last.time:g} s, where {last.path} was saved.")
-    even = abs(last.start + last.ticks * step - last.time) <= 1e-9 * step
-    return last.start if even and step == last.step else last.time
+def keep_state(path: Path, master: Master, flight: Flight, start: float, step: float, algorithm: str, first: int
+               ) -> None:
+    """Write the state at the end of a flight, which has failed if it finds no room or an FMU refuses."""
+    try:
+        write_state(path, master, start, step, algorithm, first + flight.ticks)
+    except RunError as error:
+        flight.finished = False
+        flight.message = f"{flight.message.rstrip('.')}; {error}" if flight.message else str(error)
 
 
 def known_of(flight: Flight) -> dict[str, Any]:

@@ -183,7 +183,8 @@ class Instance:
     # --- life cycle -----------------------------------------------------------------------------------
 
     def enter(self, start: float, stop: float | None, tolerance: float | None = None) -> None:
-        """From instantiated into Initialization Mode. Times in s, no stop if the run may go on; relative tolerance."""
+        """From instantiated into Initialization Mode; times in s, without a stop if there is none; a relative
+        tolerance if there is one."""
         self.standard.enter(self, start, stop, tolerance)
 
     def leave(self, start: float) -> None:

@@ -380,7 +380,7 @@ REFUSED = {
         "The mapping of n to n has a LinearTransformation, but a value that is Integer"),
     "a binary parameter": (system("root", component("a", bindings=inline(
         '<ssv:Parameter name="k"><ssv:Binary mime-type="x" value="00"/></ssv:Parameter>'))),
-        "The parameter k is Binary; FMI 2.0 has no such variables"),
+        "The parameter k is Binary, which is not supported"),
     "two elements of one name": (system("root", component("a") + component("a")), "There are two elements called a"),
     "two elements of one flat name": (system("root", component("a.u") + system("a", component("u"))),
                                       "Two components are called a/u once nested systems and dots are written with /"),

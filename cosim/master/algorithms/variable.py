@@ -62,10 +62,6 @@ class Variable:
         """Whether the experiment's stop is reached."""
         return self.time >= self.experiment.stop
 
-    def go_on(self, ticks: int, time: float) -> None:
-        """Begin after `ticks` steps, at `time` (s): where a saved run was."""
-        self.ticks, self.time = ticks, time
-
     def advance(self, most: int) -> None:
         """Take at most `most` steps. Raises RunError if an FMU refuses one that cannot be made shorter, Ended if one
         ends the simulation there."""
