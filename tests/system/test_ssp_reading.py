@@ -401,8 +401,8 @@ def test_a_step_that_nobody_gives_is_that_of_run_and_told(tmp_path):
 
 
 def test_a_later_ssp_version_is_refused_by_name(read):
-    with pytest.raises(UsageError, match=r"is an SSP 2.0 system structure description; SSP 1.0 is what runs here"):
-        read(ssd(system("root", component("a")), version="2.0"))
+    with pytest.raises(UsageError, match=r"is an SSP 3.0 system structure description; SSP 1.0 and 2.0 are what runs"):
+        read(ssd(system("root", component("a")), version="3.0"))
 
 
 def test_a_parameter_that_fits_nothing_is_told_and_the_summary_is_of_what_flew(tmp_path):
