@@ -85,8 +85,3 @@ def inquire(instance: "Instance", kind: str, status: int, value: Any) -> Any:
         return None
     answer = instance.call(call, ctypes.c_int(status), ctypes.c_void_p(ctypes.addressof(value)))
     return value.value if answer in (OK, WARNING) else None
-
-
-def uses_events(instance: "Instance") -> bool:
-    """Whether the instance has an event mode."""
-    return False

@@ -33,7 +33,7 @@ class Instance:
         """
         self.file, self.name = file, name
         self.standard = standard(file.description.version)
-        self.open, self.stepping, self.failed = False, False, False
+        self.open, self.stepping, self.failed, self.uses_events = False, False, False, False
         self.events: np.ndarray | None = None        # its row of `wiring.events`
         self.given: dict[str, Value] = {}            # elements of arrays that have been set
         self.only_one, self.token = self.claims("canBeInstantiatedOnlyOncePerProcess"), self.said(self.standard.TOKEN)
@@ -59,7 +59,6 @@ class Instance:
         if self.only_one:
             ONLY_ONE[self.token] = name
         self.component, self.pointer = ctypes.c_void_p(made), made
-        self.uses_events = self.standard.uses_events(self)
 
     @property
     def label(self) -> str:

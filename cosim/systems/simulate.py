@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import UsageError
-from ..master.flight import Flight
+from ..master.flight import Flight, tick_count
 from ..master.folder import claimed
 from ..master.interruptions import interruptions
 from ..master.isolated import fly_isolated
@@ -44,6 +44,7 @@ def simulate(path: Path, step: float | None, stop: float | None, algorithm: str 
         if state:
             start, step = state.start, state.step if step is None else step
         begin, end, size, remarks = experiment(found, start, stop, step)
+        tick_count(size, end, begin)
         word = algorithm or (state.algorithm if state else found.algorithm) or ALGORITHM
         options: dict[str, Any] = {
             "start": begin, "tolerance": found.tolerance if tolerance is None else tolerance, "decimate": decimate,

@@ -242,8 +242,13 @@ def test_the_experiment_starts_and_stops_as_the_file_says(read):
     found = read(ssd(system("root", component("a")), '<ssd:DefaultExperiment startTime="2" stopTime="4"/>'))
     assert (found.start, found.stop) == (2, 4)
     assert read(ssd(system("root", component("a")), '<ssd:DefaultExperiment stopTime="4"/>')).start == 0
-    with pytest.raises(UsageError, match="starts at t = 2 s; a start other than 0 is not supported"):
-        fly(found, 0.1)
+
+
+def test_a_system_flies_from_the_start_that_its_file_says(tmp_path):
+    experiment = '<ssd:DefaultExperiment startTime="2" stopTime="4"/>'
+    with load_ssp(write(tmp_path / "test.ssp", ssd(system("root", component("a")), experiment))) as found:
+        flight = fly(found, 0.5)
+    assert flight.finished and flight.time.tolist() == [2, 2.5, 3, 3.5, 4]
 
 
 def test_files_of_a_loaded_system_go_with_it(tmp_path):
