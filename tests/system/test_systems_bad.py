@@ -287,7 +287,8 @@ NEWER = {
     "scheduled execution": (newer().replace('source="resources/Gain.fmu"', 'source="resources/Gain.fmu" '
                                             'implementation="ScheduledExecution"', 1), "is not a valid SSP 2.0"),
     "another package": (newer().replace('source="resources/Gain.fmu"', 'source="resources/Gain.fmu" '
-                                        'type="application/x-ssp-package"', 1), "a is of type application/x-ssp-package"),
+                                        'type="application/x-ssp-package"', 1),
+        "a is of type application/x-ssp-package"),
 }
 
 
