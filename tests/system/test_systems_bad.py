@@ -167,12 +167,13 @@ def test_a_table_that_is_wrong(text, words, folder, tmp_path):
 
 
 def test_a_table_in_another_form(tmp_path):
+    (tmp_path / "bytes.csv").write_bytes(b"time,\x85\n0,1\n")
     (tmp_path / "t.parquet").write_text("not a Parquet file")
     (tmp_path / "t.xlsx").write_text("")
     pyarrow.parquet.write_table(pa.table({"time": [0.0], "u": [[1.0]]}), tmp_path / "lists.parquet")
     for name, words in (
             ("t.parquet", "cannot be read as a table"), ("t.xlsx", "its name must end with .csv or .parquet"),
-            ("none.csv", "There is no table"), ("lists.parquet", "u in row 1 is [1.0]; it must be a number")):
+            ("none.csv", "There is no table"), ("bytes.csv", "cannot be read as a table"), ("lists.parquet", "u in row 1 is [1.0]; it must be a number")):
         with pytest.raises(UsageError) as error:
             read_table(tmp_path / name)
         assert words in sentence(error)
