@@ -54,8 +54,8 @@ class State:
         mine = fingerprints(master)
         for name in {**self.components, **mine}:
             if self.components.get(name) != mine.get(name):
-                raise UsageError(f"{name} is not the same FMU in the system and in {self.path}: a flight goes on with the "
-                                 f"FMUs with which it began.")
+                raise UsageError(f"{name} is not the same FMU in the system and in {self.path}: a flight goes on with "
+                                 f"the FMUs with which it began.")
         w, arrays = master.wiring, self.arrays
         for i, instance in enumerate(master.instances):
             instance.restore(arrays[f"fmu_{i}"].tobytes())
