@@ -70,7 +70,7 @@ def configuration(bench: Bench) -> None:
             status = fmu.call(call) if v is None else fmu.set(v.base, [v.reference], [v.start])
             if status > WARNING:
                 words = f": '{bench.library.words}'" if bench.library.words else ""
-                found = f"{status_name(status)} on the way from the state instantiated through configuration mode{words}"
+                found = f"{status_name(status)} between the state instantiated and configuration mode{words}"
                 bench.fault("dynamic.configuration", f"fmi3{call}", found, "fmi3OK")
                 return
         bench.run(fmu, excite=False)

@@ -9,7 +9,6 @@ from ..repeats import repeated
 from ..rule import static
 from ..subject import Fault, Fmu
 
-FLOATS = {"Float32": 3.4028234663852886e38, "Float64": float("inf")}
 PERIODIC = ("constant", "fixed", "tunable")
 
 
@@ -26,28 +25,6 @@ def by_reference(fmu: Fmu, text: str | None) -> Variable | None:
 def clocks(fmu: Fmu) -> list[Variable]:
     """The variables of type Clock."""
     return [v for v in fmu.description.variables if v.type == "Clock"]
-
-
-def limits(kind: str) -> tuple[float, float] | None:
-    """The least and the greatest value of a type of numbers."""
-    if kind in FLOATS:
-        return -FLOATS[kind], FLOATS[kind]
-    if "Int" in kind:
-        bits = int(kind.rpartition("Int")[2])
-        return (0, 2 ** bits - 1) if kind.startswith("U") else (-2 ** (bits - 1), 2 ** (bits - 1) - 1)
-    return None
-
-
-@static("range.of-type")
-def of_type(fmu: Fmu) -> Iterator[Fault]:
-    declared = [(f"type {t.name}", t.type, dict(t.attributes)) for t in fmu.description.types]
-    for name, kind, own in [*declared, *((v.name, v.type, v.own) for v in fmu.description.variables)]:
-        bounds = limits(kind)
-        for attribute in ("min", "max", "start") if bounds else ():
-            for word in own.get(attribute, "").split():
-                value = number(word) if kind in FLOATS else integer(word)
-                if value is not None and bounds and not bounds[0] <= value <= bounds[1]:
-                    yield Fault(name, f"{attribute} {word} of type {kind}", f"{bounds[0]:g} to {bounds[1]:g}")
 
 
 @static("variable.reference-unique")

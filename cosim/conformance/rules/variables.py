@@ -182,8 +182,12 @@ def reinit(fmu: Fmu) -> Iterator[Fault]:
 
 @static("variable.reinit-state")
 def reinit_state(fmu: Fmu) -> Iterator[Fault]:
+    states = fmu.description.states
+    if fmu.description.flat:  # FMI 3.0: derivatives need not be listed for co-simulation
+        states = {v.derivative for v in fmu.description.variables if v.derivative}
     for v in fmu.description.variables:
-        if "reinit" in v.own and fmu.description.model_exchange is not None and v.index not in fmu.description.states:
+        is_judged = fmu.description.model_exchange is not None or fmu.description.flat
+        if "reinit" in v.own and is_judged and v.index not in states:
             yield Fault(v.name, f"reinit '{v.own['reinit']}'", "no `reinit`: the variable is not a state")
 
 
