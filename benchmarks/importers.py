@@ -22,7 +22,7 @@ import peers
 ROOT = Path(__file__).parent.parent
 FOREIGN = ROOT / "tests" / "system" / "foreign.py"
 PAGE = ROOT / "docs" / "importers.md"
-STEP, STOP, LONG = 0.01, 10.0, 40.0   # s; LONG for costs
+STEP, STOP, LONG = 0.01, 10.0, 100.0   # s; LONG for costs
 LOOP, CONTROLLER, ONE, SSP = "the loop", "the controller", "the loop as one FMU", "the SSP"
 EXACT = 1e-9
 
@@ -60,13 +60,13 @@ IMPORTERS = [
     Importer("ecos", LOOP, "ecospy", remark="its clock adds up steps"),
     Importer("fmucontainer", LOOP, "fmu-manipulation-toolbox", remark="its row at the start is from before the loop is "
              "closed, and is left out"),
-    Importer("FMPy's container runtime", LOOP, "fmpy", master="container", remark="made by `ahv container`"),
     Importer("pathsim-fmi", LOOP, "pathsim-fmi", "python", reference="ours gauss-seidel",
              remark="its events make it Gauss-Seidel, and so is ours here; inputs at the start are given"),
     Importer("CoFmuPy", LOOP, "cofmupy", "cofmupy", limit=0.5, remark="it steps the scenario before the loop, so that "
              "commands come one tick early; it sets Reals only, and inputs to 0 unless they are given at the start"),
-    Importer("gemseo-fmu", ONE, "gemseo-fmu", "gemseo-fmu", remark="made by `ahv container`"),
-    Importer("fmugym", ONE, "fmugym", "python", limit=1e-5, remark="made by `ahv container`"),
+    Importer("FMPy", ONE, "fmpy", master="fmpy"),
+    Importer("gemseo-fmu", ONE, "gemseo-fmu", "gemseo-fmu"),
+    Importer("fmugym", ONE, "fmugym", "python", limit=1e-5, remark="observations are single precision"),
     Importer("syssimx", LOOP, "syssimx", "python", fails="communication step 0 s is not a positive number",
              remark="it reads the FMUs and their units; at the start it takes a step of 0 s, which FMI 2.0 does not "
                     "allow (section 4.2.2)"),

@@ -127,6 +127,9 @@ class Engine:
         if future.status == "finished":
             with asking():
                 batch.outcomes.update(zip(positions, future.result()))
+        elif future.status in ("lost", "pending"):  # its worker died before we had the result: Dask flies it again
+            self.flying[future] = batch, positions
+            self.queue.add(future)
         elif future.status != "error":
             raise RunError(GONE)
         elif isinstance(error := future.exception(), OtherCode):

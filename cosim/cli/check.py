@@ -48,6 +48,8 @@ def check(
     format: Annotated[Format, typer.Option(help="What is printed on stdout.")] = Format.TEXT,
     time_limit: Annotated[float, typer.Option(help="Seconds that one call of the FMU may take.")] = 30.0,
     total_time_limit: Annotated[float, typer.Option(help="Seconds that the whole check of an FMU may take.")] = 1800.0,
+    time_budget: Annotated[float, typer.Option(help="Seconds after which no further test of the FMU begins; what is "
+                                               "left is told.")] = 30.0,
     memory_limit: Annotated[int, typer.Option(help="Memory that the FMU and all it starts may use, in MB.")] = 4096,
     file_limit: Annotated[int, typer.Option(help="Size of a file that the FMU may write, in MB.")] = 1024,
     process_limit: Annotated[int, typer.Option(help="Processes that the FMU may have.")] = 64,
@@ -71,7 +73,7 @@ def check(
     if missing:
         raise UsageError(f"There is no file {', '.join(missing)}.")
     limits = Limits(call_s=time_limit, total_s=total_time_limit, memory_mb=memory_limit, file_mb=file_limit,
-                    processes=process_limit)
+                    processes=process_limit, budget_s=time_budget)
     reports = [examine(path, dynamic, limits=limits) for path in fmus]
     for report in reports:
         report.ignore(ignore or ())

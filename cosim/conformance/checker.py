@@ -17,6 +17,7 @@ def check(path: Path, run_probes: bool, limits: Limits, cycles: int) -> Report:
     """See `cosim.conformance.check`."""
     for option, value, unit in (("--time-limit", limits.call_s, " of seconds"),
                                 ("--total-time-limit", limits.total_s, " of seconds"),
+                                ("--time-budget", limits.budget_s, " of seconds"),
                                 ("--memory-limit", limits.memory_mb, ""), ("--file-limit", limits.file_mb, ""),
                                 ("--process-limit", limits.processes, "")):
         if not 0 < value < math.inf:

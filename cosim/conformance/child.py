@@ -26,7 +26,7 @@ def work(text: str, answers: int) -> None:
     job = Job.read(text)
     bench = Bench(job, Mark(Path(sys.argv[2])), answers)
     for number, name in enumerate(job.probes):
-        if time.process_time() > job.budget:
+        if time.monotonic() > job.until:
             bench.skip(", ".join(job.probes[number:]), "slow: there was no time left for this")
             for left in job.probes[number:]:
                 bench.note("begin", left)
@@ -36,7 +36,7 @@ def work(text: str, answers: int) -> None:
         is_loaded = loads(bench)
         if is_loaded:
             run_probe(bench, name)
-        bench.write_line({"end": name, "spent": time.process_time()})
+        bench.note("end", name)
         if not is_loaded or bench.is_over or bench.library.is_corrupt or bench.is_single:
             return  # the parent starts a new process for the remaining probes
 
@@ -80,10 +80,10 @@ def report_no_instance(bench: Bench, name: str) -> None:
         bench.is_over = True
         return
     severity = "warning" if bench.job.claims.get("needsExecutionTool") else None
-    number = bench.library.made
+    lived = bench.library.lived
     found, impact = f"a null pointer{words}", None
-    if number > 1:
-        found += f" for instance number {number} of the process, while fewer than 3 were alive (probe '{name}')"
+    if lived:
+        found += f" after {lived} instances in one process, of which at most two lived at a time (probe '{name}')"
         impact = "other tools refuse it"
         bench.is_over = True  # a fresh process may do better
     bench.fault("dynamic.instantiate", "fmi2Instantiate", found, "an instance", severity, impact)

@@ -37,13 +37,14 @@ SANDBOXES: dict[str, Callable[[str], list[str]]] = {
 class Limits:
     """What the FMU may use: seconds for one call and for the whole check, memory and size of one file (MB), processes.
 
-    Memory and processes are those of the FMU and all that it started, together.
+    Memory and processes are those of the FMU and all that it started, together. After `budget_s` no probe begins.
     """
     call_s: float = 30.0
     total_s: float = 1800.0
     memory_mb: int = 4096
     file_mb: int = 1024
     processes: int = 64
+    budget_s: float = 30.0
 
 
 @cache

@@ -28,7 +28,6 @@ from .subject import Fault, Fmu
 POLL_S = 0.05
 STEPS = 20  # of a run
 PATIENCE_S = 8.0  # for repetitions
-BUDGET_S = 35.0  # of computing, after which further probes are left out
 WRONG_USE_S = 5.0  # that a call may take which the standard does not allow
 MOST_HANGS = 2  # after wrong use
 MOST_DEATHS = 2  # on wrong use of one kind, such as "unknown-reference"
@@ -40,6 +39,7 @@ ONCE = ("dynamic.fatal", "dynamic.log-refusal")  # an FMU that does so does so f
 IMPLIED = {"dynamic.nonfinite-reset": "dynamic.reset-replay"}  # what says nothing more where another is broken
 WITH_CLOCKS = ("load", "free-null", "guid", "event-mode")  # the probes of an FMU with clocks, which nobody ticks
 MOST_ELEMENTS = 10_000  # of an array that is read and set
+LATE = ("memory", "memory-steps")  # what takes many lives
 
 
 def run(fmu: Fmu, report: Report, work: Path, limits: Limits, cycles: int) -> None:
@@ -59,7 +59,8 @@ def run(fmu: Fmu, report: Report, work: Path, limits: Limits, cycles: int) -> No
 
 def run_probes(job: Job, report: Report, work: Path, limits: Limits) -> None:
     """Run the job's probes, in a new child process where one has ended."""
-    deadline = time.monotonic() + limits.total_s
+    now = time.monotonic()
+    deadline, job = now + limits.total_s, replace(job, until=now + limits.budget_s)
     deaths: Counter[str] = Counter()
     while job.probes:
         done, steps, died = run_child(job, report, work, limits, deadline)
@@ -81,8 +82,7 @@ def run_probes(job: Job, report: Report, work: Path, limits: Limits) -> None:
             if deaths[family] >= MOST_DEATHS:
                 alike = [n for n in left if n.partition(":")[0] == family]
                 left = without(left, alike, "the FMU has crashed on others of this kind", report)
-        job = replace(job, probes=left, steps=steps,
-                      budget=BUDGET_S - report.computed_s)
+        job = replace(job, probes=left, steps=steps)
 
 
 def without(names: list[str], dropped: list[str], why: str, report: Report) -> list[str]:
@@ -117,7 +117,7 @@ def make_job(fmu: Fmu, library: Path, time_limit: float, cycles: int) -> Job:
     if fixed > 0:  # FMI 3.0: steps should be multiples of it
         step = fixed * max(1, round(step / fixed))
     tolerance = given.get("tolerance") or 0.0
-    tolerance = tolerance if 0 < tolerance < 1 else TOLERANCE
+    has_tolerance = 0 < tolerance < 1
     fitting = int((stop - start) / step + 1e-9) if stop is not None and stop > start else STEPS
     steps = max(2, min(STEPS, fitting))  # not beyond the default stop time
     claims = {flag: 1 for flag in fmu.version.flags if fmu.description.claims(flag)}
@@ -133,20 +133,26 @@ def make_job(fmu: Fmu, library: Path, time_limit: float, cycles: int) -> Job:
         stop=stop,
         step=step,
         has_step=has_step,
-        tolerance=tolerance,
+        tolerance=tolerance if has_tolerance else TOLERANCE,
+        has_tolerance=has_tolerance,
         claims=claims | ({"maxOutputDerivativeOrder": order} if order else {}),
         categories=[c.get("name", "") for c in fmu.description.root.iterfind("LogCategories/Category")],
         variables=[v for v in variables if (v.count or 1) <= MOST_ELEMENTS and v.count != 0],
-        probes=[name for name, one in PROBES.items() if fmu.version.name in one.versions
-                and (name in WITH_CLOCKS or not clocks_of(fmu))],
+        probes=sorted(served(fmu), key=lambda name: (not PROBES[name].legal, name in LATE)),  # wrong use comes last
         steps=steps,
         cycles=cycles,
         patience=min(time_limit / 2, PATIENCE_S),
         version=fmu.version.name,
         clocks=clocks_of(fmu),
         fixed_step=fixed,
-        budget=BUDGET_S,
+        until=0.0,
     )
+
+
+def served(fmu: Fmu) -> list[str]:
+    """The probes for the FMU's version, and for clocks where it has some."""
+    own = [name for name, one in PROBES.items() if fmu.version.name in one.versions]
+    return [name for name in own if name in WITH_CLOCKS] if clocks_of(fmu) else own
 
 
 def clocks_of(fmu: Fmu) -> str:
@@ -206,7 +212,6 @@ def run_child(job: Job, report: Report, work: Path, limits: Limits, deadline: fl
         child.end()
     begun, ended, told = take_answers(child.answers, report)
     died = str(told.get("died", ""))
-    report.computed_s += float(told.get("spent", 0.0))
     if len(begun) > len(ended):
         death = stopped or died or why(child.process.returncode, limits) or "exit code 0"
         report_death(report, job, begun[-1], death, Mark.read(mark)[1], limits)
@@ -265,7 +270,6 @@ def take_answers(lines: list[str], report: Report) -> tuple[list[str], list[str]
             begun.append(line["begin"])
         elif "end" in line:
             ended.append(line["end"])
-            told["spent"] = line.get("spent", 0.0)
         else:
             told |= line
     return begun, ended, told
@@ -297,7 +301,9 @@ def report_death(report: Report, job: Job, probe: str, death: str, call: str, li
         report.skip(probe, f"slow: not finished within {MOST_LIMITS * limits.call_s:g} s")
     elif death.startswith("limit: "):
         found = f"{death.removeprefix('limit: ')}, in {call} (probe '{probe}')"
-        report.add("dynamic.limits", Fault(call, found, "what the check's limits allow"))
+        is_late = death.endswith("whole check")  # a slow FMU, or a slow machine
+        report.add("dynamic.limits", Fault(call, found, "what the check's limits allow"), WARNING if is_late else None,
+                   FORMAL if is_late else None)
     elif death == "hang" and call.endswith("DoStep") and not job.has_step and severity is None:
         report.skip(probe, f"slow: a step of {job.step:g} s did not end within {limits.call_s:g} s (the file names no "
                            "preferred step)")

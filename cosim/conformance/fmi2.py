@@ -115,7 +115,7 @@ class Library:
         self.allocate = ALLOCATE(("calloc", libc))  # type: ignore[arg-type]
         self.free_memory = FREE(("free", libc))  # type: ignore[arg-type]
         self.messages: dict[int, Counter[tuple[int, str]]] = {}  # by instance
-        self.made = 0
+        self.made = self.lived = 0  # how many instances were asked for, and how many there were
         self.names: dict[int, str] = {}  # of instances
         self.strange: dict[str, str] = {}  # environment, name: what the logger got instead of the instance's own
         self.words = ""  # the last message of a problem
@@ -161,6 +161,7 @@ class Library:
         function.restype = c_void_p
         function.argtypes = (c_char_p, c_int, c_char_p, c_char_p, POINTER(Callbacks), c_int, c_int)
         component = function(name.encode(), 1, guid.encode(), resources.encode(), byref(callbacks), 0, int(logging_on))
+        self.lived += component is not None
         return Instance(self, component, callbacks, messages, number) if component else None
 
     def free(self, component: int | None) -> None:

@@ -50,6 +50,7 @@ class Job:
     step: float
     has_step: bool  # whether the file names it
     tolerance: float  # of a trajectory by its own scale: what the FMU's solver may differ
+    has_tolerance: bool  # whether the file names it; then tolerance times nominal is allowed too, as solvers do (2.2.3)
     claims: dict[str, int]  # capability flags of 4.3.1 that are not false
     categories: list[str]  # names of the log categories
     variables: list[Known]
@@ -60,7 +61,7 @@ class Job:
     version: str  # of FMI
     clocks: str  # triggered, or timed where one has an interval; empty without clocks
     fixed_step: float  # that a step is a multiple of; 0 if any step will do
-    budget: float  # seconds of computing that are left; without any, further probes are left out
+    until: float  # by the system's monotonic clock: after this time no probe begins
 
     def to_json(self) -> str:
         """The job as text, for `read`."""

@@ -70,7 +70,6 @@ class Report:
     sandbox: str = ""  # what was around the FMU when it ran: bwrap, unshare, none; empty if it did not run
     fmi_version: str = "2.0"
     tool: str = ""  # generationTool of the FMU
-    computed_s: float = 0.0  # seconds of computing in the processes that ran the FMU
     ignored: int = 0  # findings that were left out on request
 
     def add(self, rule: str, fault: Fault, severity: str | None = None, impact: str | None = None) -> None:

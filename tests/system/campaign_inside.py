@@ -8,7 +8,7 @@ import test_campaign
 from distributed import Client, LocalCluster
 from test_campaign import *  # noqa: F403
 
-from cosim.campaign import engine
+from cosim.campaign import engine, worker
 from cosim.campaign.campaign import campaign
 from cosim.errors import UsageError
 
@@ -36,6 +36,8 @@ def fly(file, out, *words, status=0):
 def inside():
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(engine, "connected", connected)
+        patch.setattr(worker, "PATIENCE_S", 600.0)  # the machine may be busy with other trials
+        patch.setitem(test_campaign.FILE, "timeout_s", 600.0)
         patch.setattr(test_campaign, "fly", fly)
         patch.setattr(test_campaign, "ahv", lambda word, file, option, out, *words: fly(file, out, *words))
         yield

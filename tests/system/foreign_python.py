@@ -189,17 +189,6 @@ def number(value):
     return float(getattr(value, "magnitude", value))
 
 
-def container_runtime(file, step, stop, names, values):
-    """FMPy's container runtime: the system becomes one FMU by `ahv container`, which fmpy flies."""
-    import cosim
-    from cosim.ssp.container import write_container
-
-    with tempfile.TemporaryDirectory() as folder, cosim.load_ssp(file) as system:
-        path = Path(folder) / "Loop.fmu"
-        write_container(path, "loop", system, step, stop)
-        return fmpy(path, step, stop, names, {})
-
-
 def pyssp(file, step, stop, names, values):
     """pyssp-standard reads an SSP: its components and connections must be those of the file. It flies nothing."""
     from pyssp_standard.ssp import SSP

@@ -251,6 +251,7 @@ def test_a_run_that_kills_its_worker_is_a_row_and_costs_no_other(tmp_path, monke
     plan = load(written(tmp_path, runs=12, runs_per_task=4, controllers=["neural"], stop=1))
     monkeypatch.setattr(engine, "fly_batch", deadly)
     store = Store(tmp_path / "out", plan)
+    store.folder.mkdir()
     prepare(store, False, "")
     with cluster.local(store.work, 2, False) as client:
         engine.send(client, plan)

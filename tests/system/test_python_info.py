@@ -93,7 +93,7 @@ def test_info_as_a_dict_is_json(native_fmus):
     assert found["path"] == str(native_fmus["AhvController"]) and found["name"] == "AhvController"
     assert len(found["variables"]) == len(about.variables)
     assert found["variables"][0] == {"name": "V", "causality": "input", "variability": "continuous", "type": "Real",
-                                     "unit": "ft/s", "display_unit": "", "start": 7700.0, "min": None, "max": None,
+                                     "unit": "ft/s", "display_unit": "", "start": 7700.0, "min": 4000.0, "max": 16000.0,
                                      "settable": True, "description": "measured velocity"}
 
 

@@ -256,6 +256,11 @@ def test_a_broken_ssp_leaves_nothing_behind(tmp_path, monkeypatch):
     assert list(tmp_path.iterdir()) == [broken]
 
 
-def test_a_start_other_than_0_is_refused(fmu):
-    with pytest.raises(cosim.UsageError, match="starts at t = 5 s; a start other than 0 is not supported"):
-        cosim.fly(replace(small.pair(fmu), start=5.0), step=0.1, stop=1)
+def test_a_flight_starts_as_the_system_or_the_call_says(fmu):
+    system = replace(small.pair(fmu), start=5.0)
+    assert cosim.fly(system, step=0.1, stop=6).time[[0, -1]].tolist() == [5, 6]
+    assert cosim.fly(system, step=0.1, stop=1, start=-1).time[[0, -1]].tolist() == [-1, 1]
+    for wrong, words in (({"stop": 5}, "^stop = 5 is not allowed: it must be a number of seconds after the start at 5"),
+                         ({"start": "now"}, "^start = 'now' is not allowed"), ({"tolerance": 0}, "^tolerance = 0 is")):
+        with pytest.raises(cosim.UsageError, match=words):
+            cosim.fly(system, **{"step": 0.1, "stop": 6, **wrong})

@@ -110,9 +110,9 @@ BAD = {
                              "resources/Gain.fmu cannot be read as an FMU"),
     "a step of nothing": (lambda path: write(path, ONE.replace('stopTime="1"', 'stopTime="0"')), "--stop"),
     "no stop": (lambda path: write(path, ssd(system("root", component("a")), "")), "does not say when to stop"),
-    "another start": (lambda path: write(path, ssd(system("root", component("a")),
-                                                   '<ssd:DefaultExperiment startTime="5" stopTime="6"/>')),
-                      "a start other than 0 is not supported"),
+    "a stop before the start": (lambda path: write(path, ssd(system("root", component("a")),
+                                                             '<ssd:DefaultExperiment startTime="5" stopTime="4"/>')),
+                                "--stop 4 s must be after the start at 5 s"),
     "a circle of connections": (lambda path: write(path, CIRCLE), "lead in a circle through"),
 }
 

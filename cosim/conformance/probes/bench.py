@@ -221,17 +221,14 @@ class Bench:
             return self.run(fmu)
 
     @cached_property
-    def noise(self) -> float:
-        """How far two runs of fresh instances differ, by the scale of the variable that differs most."""
-        different = None if self.is_single else self.difference(self.first_run, self.second_run)
-        if different and not different.counts:
-            return min(different.share, self.job.tolerance)
-        return different.share if different else 0.0
+    def noise(self) -> Difference | None:
+        """How far two runs of fresh instances differ."""
+        return None if self.is_single else self.difference(self.first_run, self.second_run)
 
     @property
     def is_deterministic(self) -> bool:
         """Whether two fresh instances agree within the tolerance; without that, replays cannot be judged."""
-        return self.noise <= self.job.tolerance
+        return self.noise is None or self.noise.is_explained or not self.noise.counts
 
     @cached_property
     def excitable(self) -> bool:
@@ -260,7 +257,7 @@ class Bench:
         if first == second:
             return None
         times = [self.time(number + offset + 1) for number in range(min(len(first), len(second)))]
-        return worst_difference(self.columns(first, second), times, self.job.tolerance)
+        return worst_difference(self.columns(first, second), times, self.job)
 
     def columns(self, first: list[Row], second: list[Row]) -> Iterator[Column]:
         """Each variable with its values in two runs, where a value of its type differs."""
@@ -274,10 +271,12 @@ class Bench:
 
         Nothing is reported that two fresh instances do not do better. Whether something was reported.
         """
-        if different is None or different.share <= NOISE * self.noise:
+        if different is None:
+            return False
+        if self.noise and different.share <= NOISE * self.noise.share and different.counts <= self.noise.counts:
             return False
         found = f"{different.text}{where}"
-        if different.share <= self.job.tolerance:
+        if different.is_explained:
             found += (f"; at most {different.share:.2g} of the variable's scale, which the tolerance "
                       f"{self.job.tolerance:g} explains")
             self.fault(rule, different.variable, found, expected, "warning" if different.share >= BITS else "note",

@@ -210,7 +210,7 @@ def deterministic(bench: Bench) -> None:
     different = bench.difference(bench.first_run, bench.second_run)
     if different:
         severity = "note" if different.share < BITS else "warning"
-        impact = None if different.share > bench.job.tolerance else "formal"
+        impact = "formal" if different.is_explained or not different.counts else None
         found = f"{different.text}; up to {different.share:.2g} of the variable's scale"
         bench.fault("dynamic.deterministic", different.variable, found, "the same bits in every run", severity, impact)
     if not bench.is_deterministic:

@@ -110,7 +110,8 @@ def known_name(fmu: Fmu) -> Iterator[Fault]:
         if base is None or known is None or not factor:
             continue
         exponents = tuple(integer(base.get(name, "0")) for name in EXPONENTS)
-        if exponents != known[0] or abs(factor - known[1]) > 1e-4 * known[1]:
+        without_rad = exponents[:-1], known[0][:-1]  # many tools take the radian as the number 1, which converts alike
+        if without_rad[0] != without_rad[1] or abs(factor - known[1]) > 1e-4 * known[1]:
             yield Fault(unit.get("name", ""), spelled(exponents, factor), spelled(known[0], known[1]))
 
 

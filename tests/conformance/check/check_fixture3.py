@@ -54,12 +54,13 @@ FURTHER = {
     "extra/org.example.ls/fmi-ls-manifest.xml": _MANIFEST.encode(),
 }
 # A correct description with clocks; only what reads the file is tested with it.
-CLOCKS = """    <Clock name="tick" valueReference="80" causality="input" intervalVariability="constant" intervalDecimal="0.1"/>
+CLOCKS = """
+    <Clock name="tick" valueReference="80" causality="input" intervalVariability="constant" intervalDecimal="0.1"/>
     <Clock name="alarm" valueReference="81" causality="output" intervalVariability="triggered"/>
     <Int32 name="ticks" valueReference="82" causality="local" clocks="80" previous="83" initial="exact" start="0"/>
-    <Int32 name="ticks before" valueReference="83" causality="local" initial="exact" start="0"/>
+    <Int32 name="before" valueReference="83" causality="local" initial="exact" start="0"/>
   </ModelVariables>"""
-CLOCK_XML = BASE_XML.replace("  </ModelVariables>", CLOCKS.replace("ticks before", "before")).replace(
+CLOCK_XML = BASE_XML.replace("\n  </ModelVariables>", CLOCKS).replace(
     '    <ContinuousState', '    <Output valueReference="81" dependencies="80"/>\n    <ContinuousState', 1).replace(
     "    <InitialUnknown", '    <ClockedState valueReference="82" dependencies="80"/>\n    <InitialUnknown', 1)
 

@@ -13,8 +13,10 @@ from check_fixture import BASE_XML, library, members, swapped, write
 from places import ROOT
 
 from cosim.conformance import check
+from cosim.conformance.confined import Limits
 from cosim.conformance.report import Report
 
+PATIENT = Limits(budget_s=600.0)  # whatever else the machine does
 OURS = sorted(ROOT.glob("fmus/dist/*/*.fmu"))
 
 # The least that the schema and the specification ask for: no units, no types, no claims, flat names.
@@ -108,13 +110,13 @@ def test_path_with_spaces_and_letters_beyond_ascii(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("fmu", OURS, ids=lambda path: f"{path.parent.name}/{path.name}")
 def test_our_own_fmus_have_no_error(fmu: Path) -> None:
-    report = check(fmu, cycles=100)
+    report = check(fmu, cycles=100, limits=PATIENT)
     assert report.passed, _told(report)
 
 
 def test_what_is_wrong_with_the_python_flavour_is_named(python_fmus: dict[str, Path]) -> None:
     """All are properties of pythonfmu's binary: see contract.py."""
-    report = check(python_fmus["AhvPlant"], cycles=100)
+    report = check(python_fmus["AhvPlant"], cycles=100, limits=PATIENT)
     found = {f.rule: (f.severity, f.found) for f in report.findings if not f.rule.startswith("naive.")}
     assert found.keys() - {"dynamic.memory"} == {
         "dynamic.fatal", "dynamic.stop-time", "dynamic.log-refusal", "dynamic.guid", "dynamic.state-free"}
@@ -125,7 +127,7 @@ def test_what_is_wrong_with_the_python_flavour_is_named(python_fmus: dict[str, P
 
 
 def test_nothing_is_wrong_with_the_native_flavour(native_fmus: dict[str, Path]) -> None:
-    assert _told(check(native_fmus["AhvPlant"], cycles=100)) == []
+    assert _told(check(native_fmus["AhvPlant"], cycles=100, limits=PATIENT)) == []
 
 
 def test_pythonfmu_example_has_its_known_errors_and_no_others(tmp_path: Path) -> None:
@@ -134,7 +136,7 @@ def test_pythonfmu_example_has_its_known_errors_and_no_others(tmp_path: Path) ->
     slave = Path(builder.__file__).parent / "tests" / "slaves" / "pythonslave.py"
     if not slave.is_file():
         pytest.skip("this pythonfmu comes without its test slaves")
-    report = check(Path(builder.FmuBuilder.build_FMU(slave, dest=tmp_path)), cycles=100)
+    report = check(Path(builder.FmuBuilder.build_FMU(slave, dest=tmp_path)), cycles=100, limits=PATIENT)
     errors = {finding.rule for finding in report.findings if finding.severity == "error"}
     assert errors == {"structure.initial-complete", "variable.continuous-real"}
 
@@ -154,5 +156,5 @@ def test_fmu_of_another_make_has_no_error(tmp_path: Path) -> None:
     ]
     options = ["-container", "both.csv:0.01", "-fmu-directory", str(tmp_path)]
     subprocess.run([*command, *options], check=True, capture_output=True, cwd=tmp_path)
-    report = check(tmp_path / "both.fmu", time_limit=2.0, cycles=100)
+    report = check(tmp_path / "both.fmu", cycles=100, limits=Limits(call_s=2.0, budget_s=600.0))
     assert report.passed, _told(report)
