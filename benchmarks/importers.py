@@ -62,7 +62,7 @@ IMPORTERS = [
              "closed, and is left out"),
     Importer("pathsim-fmi", LOOP, "pathsim-fmi", "python", reference="ours gauss-seidel",
              remark="its events make it Gauss-Seidel, and so is ours here; inputs at the start are given"),
-    Importer("CoFmuPy", LOOP, "cofmupy", "cofmupy", limit=0.5, remark="it steps the scenario before the loop, so that "
+    Importer("CoFmuPy", LOOP, "cofmupy", "cofmupy", limit=0.05, remark="it steps the scenario before the loop, so that "
              "commands come one tick early; it sets Reals only, and inputs to 0 unless they are given at the start"),
     Importer("FMPy", ONE, "fmpy", master="fmpy"),
     Importer("gemseo-fmu", ONE, "gemseo-fmu", "gemseo-fmu"),

@@ -167,9 +167,9 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3
 {
     Instance *m = calloc(1, sizeof *m);
     *m = (Instance){INITIAL, environment, log, events, early};
-#ifdef NEEDS_EVENTS
-    if (!events) {
-        say(m, fmi3Error, "I cannot do without event mode");
+#ifdef EVENTS /* only with event mode, or only without */
+    if (events != EVENTS) {
+        say(m, fmi3Error, "not with this event mode");
         free(m);
         return NULL;
     }

@@ -105,7 +105,7 @@ def given(name: str, value: float | None, suggested: float | None, signed: bool 
         return positive(name, value)
     is_number = isinstance(value, Real) and not isinstance(value, bool)
     demand(is_number and isfinite(value), name, value, "a number of seconds")
-    return float(value)
+    return value
 
 
 def positive(name: str, value: object) -> float:

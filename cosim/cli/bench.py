@@ -11,7 +11,7 @@ from ..vehicle.closed_loop import choice
 
 FOLDER = Path(__file__).parents[2] / "benchmarks"
 SCRIPTS = {"masters": "masters.py", "orders": "orders.py", "memory": "memory.py", "step": "native_step.py",
-           "campaign": "campaign.py"}
+           "campaign": "campaign.py", "versions": "versions.py"}
 
 
 def bench(

@@ -6,18 +6,15 @@ from typing import Annotated
 
 import typer
 
-from ..errors import UsageError, did_you_mean
-from ..master.system import System, Value
 from ..vehicle.closed_loop import assignments, chosen_presets
 from .options import Controller, Flavour, Plant, Preset, Set, Uncertainty
 from .show import note
-
-DEFAULT_STEP = 0.01  # s, as that of `ahv run`
+from .systems import for_scenarios_only
 
 
 def container(
-    system: Annotated[str, typer.Argument(metavar="SYSTEM.ssp|SCENARIO", help="An SSP 1.0 file, or what `ahv run` "
-                                          "flies: case1, case2, hold, or a scenario file.")],
+    system: Annotated[str, typer.Argument(metavar="SYSTEM.ssp|SYSTEM.yaml|SCENARIO", help="An SSP, a system file, or "
+                                          "what `ahv run` flies: case1, case2, hold, or a scenario file.")],
     connector: Annotated[list[str], typer.Option("--connector", metavar="[NAME=]COMPONENT.VARIABLE", help="An input or "
                          "output of the FMU, * for any; else all outputs and the inputs that nothing feeds. An input "
                          "that is named takes the place of what feeds it. Can be repeated.")] = [],  # noqa: B006
@@ -34,34 +31,27 @@ def container(
     from ..master.flight import tick_count
     from ..master.folder import expanded
     from ..ssp.container import write_container
-    from ..ssp.load import load_ssp
+    from ..systems.load import load_system
+    from ..systems.system_file import is_system_file
+    from ..systems.words import DEFAULT_STEP, assigned
     from ..vehicle import scenarios
     from ..vehicle.closed_loop import closed_loop
 
     with ExitStack() as stack:
-        if Path(system).suffix.lower() == ".ssp":
-            if (controller, preset, flavour, plant, uncertainty) != ("neural", None, None, "ideal", None):
-                raise UsageError(f"--controller, --preset, --flavour, --plant and --uncertainty are for scenarios; "
-                                 f"{system} is an SSP.")
-            found = stack.enter_context(load_ssp(system))
-            name, what, stop = found.name, with_values(found, assignments(set_)), found.stop
+        ssp = Path(system).suffix.lower() == ".ssp"
+        if ssp or is_system_file(system):
+            for_scenarios_only(system, "an SSP" if ssp else "a system", controller, preset, flavour, plant, uncertainty)
+            found = stack.enter_context(load_system(system))
+            note(found.remarks)
+            what = assigned(set_, found)
+            name, stop = found.name, what.stop
         else:
             plan = scenarios.load(system)
             loop = closed_loop(plan, controller, plant, flavour, chosen_presets(preset), assignments(set_), uncertainty)
             note(loop.notes)
             name, what, stop = plan.name, loop.system, plan.stop
         size = what.step or DEFAULT_STEP if step is None else step
-        tick_count(size, size if stop is None else stop)
+        tick_count(size, what.start + size if stop is None else stop, what.start)
         path = expanded(out) if out else Path("results") / f"{Path(system).stem}.fmu"
         note(write_container(path, name, what, size, stop, connector or None))
     print(path, file=sys.stderr)
-
-
-def with_values(system: System, values: dict[str, dict[str, Value]]) -> System:
-    """`system` with `values` (component -> variable -> value). Raises UsageError for an unknown component."""
-    known = [c.name for c in system.components]
-    for name in values:
-        if name not in known:
-            raise UsageError(f"--set {name}: there is no such component{did_you_mean(name, known)}")
-    return System([c.with_values(values.get(c.name, {})) for c in system.components], system.connections, system.step,
-                  system.stop)

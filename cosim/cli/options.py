@@ -27,6 +27,9 @@ TimeLimit = Annotated[float | None, typer.Option(metavar="S", help="Longest time
                                                   "longer ends the flight.")]
 Uncertainty = Annotated[float | None, typer.Option(help="Amplitude of the coefficients' change, for example 0.5; else "
                                                    "the scenario's.")]
+Record = Annotated[list[str], typer.Option("--record", metavar="COMPONENT.VARIABLE", help="Signals to keep, * for any; "
+                                           "else all outputs. Can be repeated.")]
+Decimate = Annotated[int, typer.Option(help="Write every N-th tick.", min=1, max=10**12)]
 Velocity = Annotated[float, typer.Option("--V", help="Velocity, ft/s.")]
 Altitude = Annotated[float, typer.Option("--h", help="Altitude, ft.")]
 Out = Annotated[Path | None, typer.Option(help="Folder for the results; else below results/.")]

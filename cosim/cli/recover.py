@@ -17,7 +17,7 @@ def recover(
     from ..master.folder import expanded, kind_of
 
     if kind_of(expanded(folder)) == "simulate":
-        from ..ssp.simulate import recover as simulated
+        from ..systems.simulate import recover as simulated
 
         summary, flight, trouble = simulated(folder, out)
         notes = []

@@ -7,11 +7,13 @@ from ..vehicle.closed_loop import assignments, chosen_presets
 from .options import (
     Algorithm,
     Controller,
+    Decimate,
     Flavour,
     Json,
     Out,
     Plant,
     Preset,
+    Record,
     ScenarioWord,
     Set,
     Step,
@@ -39,7 +41,8 @@ def run(
     time_limit: TimeLimit = None,
     stream: Stream = False,
     set_: Set = [],  # noqa: B006  (typer wants a list)
-    decimate: Annotated[int, typer.Option(help="Write every N-th tick.", min=1, max=10**12)] = 1,
+    record: Record = [],  # noqa: B006
+    decimate: Decimate = 1,
     out: Out = None,
     as_json: Json = False,
 ) -> None:
@@ -48,7 +51,8 @@ def run(
     from ..vehicle.run import run as fly
 
     done = fly(scenario, controller, chosen_presets(preset), plant, flavour, step, stop, algorithm, assignments(set_),
-               uncertainty, decimate, stream, isolate or POSSIBLE, time_limit, plain, real_time, out, progress=True)
+               uncertainty, decimate, stream, isolate or POSSIBLE, time_limit, plain, real_time, out, progress=True,
+               record=record)
     note([*done.notes, *done.flight.warnings])
     report(done.summary, as_json)
     conclude(done.flight.finished, [done.flight.message], done.trouble, done.flight.interrupted)

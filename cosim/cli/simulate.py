@@ -4,23 +4,39 @@ from typing import Annotated
 
 import typer
 
-from .options import Algorithm, Json, Out, Stream, TimeLimit
+from .options import Decimate, Json, Out, Record, Stream, TimeLimit
 from .show import conclude, report
+
+ALGORITHM = ("gauss-seidel (the default, unless the file says another), jacobi, multi-rate, variable or iterated; for "
+             "example multi-rate,controller=5,hold=linear.")
 
 
 def simulate(
-    file: Annotated[Path, typer.Argument(help="An SSP 1.0 file.")],
+    file: Annotated[Path, typer.Argument(metavar="FILE.fmu|.ssp|.yaml", help="An FMU, an SSP, or a system file.")],
     step: Annotated[float | None, typer.Option(help="Communication step, s; else the file's.")] = None,
+    start: Annotated[float | None, typer.Option(help="Start time, s; else the file's.")] = None,
     stop: Annotated[float | None, typer.Option(help="Stop time, s; else the file's.")] = None,
-    algorithm: Algorithm = "gauss-seidel",
+    tolerance: Annotated[float | None, typer.Option(help="Relative tolerance for the FMUs; else the file's.")] = None,
+    algorithm: Annotated[str | None, typer.Option(metavar="NAME[,OPTION=VALUE]...", help=ALGORITHM)] = None,
+    set_: Annotated[list[str], typer.Option("--set", metavar="[COMPONENT.]VARIABLE=VALUE", help="Set a parameter or a "
+                    "start value, with a unit if wanted (2deg). Can be repeated.")] = [],  # noqa: B006
+    input_: Annotated[Path | None, typer.Option("--input", metavar="FILE.csv|.parquet", help="Inputs over time: a "
+                      "column time (s), and one for each input.")] = None,
+    record: Record = [],  # noqa: B006
+    decimate: Decimate = 1,
+    plot: Annotated[bool, typer.Option("--plot", help="Draw what is recorded, one panel for each unit.")] = False,
+    save: Annotated[Path | None, typer.Option(help="File for the whole state at the end.")] = None,
+    restore: Annotated[Path | None, typer.Option(help="Go on from a state that --save wrote.")] = None,
     time_limit: TimeLimit = None,
     stream: Stream = False,
     out: Out = None,
     as_json: Json = False,
 ) -> None:
-    """Fly any system of FMI 2.0 co-simulation FMUs; write signals and run.json to results/simulate/FILE."""
-    from ..ssp.simulate import simulate as fly
+    """Fly any FMU or system of FMUs; write signals and run.json to results/simulate/FILE."""
+    from ..systems.simulate import simulate as fly
 
-    summary, flight, trouble = fly(file, step, stop, algorithm, out, time_limit, stream)
+    summary, flight, trouble = fly(file, step, stop, algorithm, out, time_limit, stream, start=start,
+                                   tolerance=tolerance, values=set_, inputs=input_, record=record, decimate=decimate,
+                                   plot=plot, save=save, restore=restore)
     report(summary, as_json)
     conclude(flight.finished, [flight.message], trouble, flight.interrupted)

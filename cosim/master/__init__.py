@@ -1,6 +1,6 @@
 """The master: flies any system of FMUs.
 
-    system        what to fly, as data                  fmu           FMU files, through fmpy
+    system        what to fly, as data                  fmu           FMU files
     unpack        archives of unknown origin            instance      an instance of an FMU, and what it says
     description   modelDescription.xml as data          declared      what it says of a variable
     quantities    units and conversions                 parameter_set values of presets and of SSP files
@@ -12,4 +12,7 @@
     flight        from start to stop                    recording     rows into memory or a Parquet file
     pace          real time                             isolated      a flight in a process of its own
     last_call     the current FMU call, for `isolated`  results       a flight written to a folder
+    standards     what differs between versions of FMI  fmi2, fmi3    each of them
+    library       the shared library of an FMU          logger        what FMUs log
+    connections   which connections the FMUs allow
 """

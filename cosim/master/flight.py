@@ -22,7 +22,9 @@ from .pace import Pace
 from .progress import Progress
 from .recording import CHUNK_ROWS, Recorder, Stream
 from .series import Series
+from .state import State, need_even, need_serialised, write_state
 from .system import System
+from .table import Table
 from .wiring import Signal
 
 MOST_TICKS = 1e12  # 11 days at a microsecond each
@@ -201,7 +203,8 @@ def fly(system: System, step: float, stop: float, algorithm: str | Method = "gau
         progress: Progress | None = None, *, start: float | None = None, tolerance: float | None = None,
         record: list[str] | None = None, decimate: int = 1, plain: bool = False,
         real_time: float | None = None, stream: Path | None = None, recorder: MakeRecorder | None = None,
-        begun: Begun | None = None, flown: Flown | None = None) -> Flight:
+        begun: Begun | None = None, flown: Flown | None = None, inputs: Table | None = None,
+        save: Path | None = None, restore: State | None = None) -> Flight:
     """Fly `system` from `start` (None: the system's) to `stop` (s) in communication steps of `step` (s).
 
     `algorithm` is a word as in `algorithms.method`. `tolerance` is the relative one that FMUs are asked to keep (None:
@@ -210,7 +213,8 @@ def fly(system: System, step: float, stop: float, algorithm: str | Method = "gau
     come, see `recording.Stream`, and then memory keeps a part only. `plain` takes the tick loop in Python. `real_time`
     paces the run, times that factor. `recorder` makes another place for the rows, and `begun` is told before the first
     tick what is known by then, with the FMU calls of the programs; `flown` is told the flight before its FMUs
-    are ended.
+    are ended. `inputs` has inputs over time. `save` is a file for the whole state at the end, `restore` the state of
+    such a file to go on from: to the last bit as the flight that it was saved of would have gone on.
 
     An FMU that refuses a step ends the run early: what was flown is in the result, `finished` is false
     and `message` names the FMU, the call, the time and its reason. So does Ctrl-C. An FMU may also end the simulation
@@ -220,18 +224,26 @@ def fly(system: System, step: float, stop: float, algorithm: str | Method = "gau
     FMUs cannot be started.
     """
     chosen = algorithm if isinstance(algorithm, Method) else method(algorithm)
-    start = system.start if start is None else start
+    start = restore.start if restore else system.start if start is None else start
     ticks = tick_count(step, stop, start)
+    if save or restore:
+        need_even(chosen)
+    if restore:
+        restore.check(step, chosen.word, ticks)
     if tolerance is not None and not 0 < tolerance < inf:
         raise UsageError(f"--tolerance {tolerance:g} must be a positive number.")
     began = time.perf_counter()
     with open_files(system) as files:
-        master = Master(system, files, record, plain, decimate > 1, tolerance)
+        master = Master(system, files, record, plain, decimate > 1, tolerance, inputs)
         try:
+            if save or restore:
+                need_serialised(master)
             flight = fly_loaded(master, chosen, step, ticks, progress, decimate, real_time,
                                 recorder(master.columns) if recorder else make_recorder(
                                     master.columns, stream, row_count(step, stop, decimate, start)),
-                                begun, began, start)
+                                begun, began, start, restore, bool(save or restore))
+            if save and flight.ended_at is None and (flight.finished or flight.interrupted):
+                keep_state(save, master, flight, start, step, chosen.word, restore.tick if restore else 0)
             if flown:
                 flown(flight)
             return flight
@@ -252,16 +264,20 @@ def make_recorder(columns: list[Signal], stream: Path | None, rows: int) -> Reco
 
 def fly_loaded(master: Master, chosen: Method, step: float, ticks: int, progress: Progress | None = None,
                decimate: int = 1, real_time: float | None = None, recorder: Recorder | None = None,
-               begun: Begun | None = None, began: float | None = None, start: float = 0.0) -> Flight:
-    """The same with FMUs that are loaded, or were reset (`Master.reset`), from `start` (s) on."""
+               begun: Begun | None = None, began: float | None = None, start: float = 0.0,
+               restore: State | None = None, goes_on: bool = False) -> Flight:
+    """The same with FMUs that are loaded, or were reset (`Master.reset`), from `start` (s) on; with a state from where
+    that was saved, where `start` and `ticks` are those of the whole flight. If it `goes_on`, FMUs are told no stop."""
     began = time.perf_counter() if began is None else began
     recorder = recorder or Recorder(master.columns)
-    experiment = Experiment(start, step, ticks, recorder, decimate)
+    experiment = Experiment(start, step, ticks, recorder, decimate, restore.tick if restore else 0)
     try:
         if real_time is not None and not 0 < real_time < float("inf"):
             raise UsageError(f"--real-time {real_time:g} must be a positive number.")
         running = chosen.algorithm(master, chosen.options, experiment)
-        master.initialise(start, experiment.stop)
+        master.initialise(start, None if goes_on else experiment.stop)
+        if restore:
+            restore.into(master)
         flight = Flight(time=np.empty(0), signals=np.empty((0, len(master.columns))), columns=master.columns,
                         finished=False, message="", startup_s=0.0, wall_s=0.0,
                         parameters={i.name: inquire(i) for i in master.instances}, fmus=origins(master),
@@ -270,7 +286,7 @@ def fly_loaded(master: Master, chosen: Method, step: float, ticks: int, progress
         recorder.about(known_of(flight))
         if begun:
             begun(flight, master.calls())
-        recorder.add(start, master.row())
+        recorder.add(running.time, master.row_at(running.time, step))
     except BaseException:
         recorder.abandon()
         raise
@@ -279,12 +295,23 @@ def fly_loaded(master: Master, chosen: Method, step: float, ticks: int, progress
     with interruptions() as interrupted:
         flight.message, flight.ended_at = advance(running, experiment, progress, pace, interrupted)
         flight.wall_s = time.perf_counter() - began
-        flight.finished, flight.ticks = not flight.message or flight.ended_at is not None, running.ticks
+        flight.finished = not flight.message or flight.ended_at is not None
+        flight.ticks = running.ticks - experiment.first
         flight.reached = running.time if flight.ended_at is None else flight.ended_at
         take_rows(flight, recorder)
     flight.interrupted = interrupted[0] if interrupted else 0
     flight.lateness = pace.report() if pace else None
     return flight
+
+
+def keep_state(path: Path, master: Master, flight: Flight, start: float, step: float, algorithm: str, first: int
+               ) -> None:
+    """Write the state at the end of a flight, which has failed if it finds no room or an FMU refuses."""
+    try:
+        write_state(path, master, start, step, algorithm, first + flight.ticks)
+    except RunError as error:
+        flight.finished = False
+        flight.message = f"{flight.message.rstrip('.')}; {error}" if flight.message else str(error)
 
 
 def known_of(flight: Flight) -> dict[str, Any]:

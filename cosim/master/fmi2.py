@@ -57,7 +57,7 @@ def instantiate(instance: "Instance") -> int | None:
     return made
 
 
-def enter(instance: "Instance", start: float, stop: float, tolerance: float | None) -> None:
+def enter(instance: "Instance", start: float, stop: float | None, tolerance: float | None) -> None:
     """Set the experiment up, and enter Initialization Mode."""
     instance.setup(start, stop, tolerance)
     instance.simple("fmi2EnterInitializationMode")
@@ -85,8 +85,3 @@ def inquire(instance: "Instance", kind: str, status: int, value: Any) -> Any:
         return None
     answer = instance.call(call, ctypes.c_int(status), ctypes.c_void_p(ctypes.addressof(value)))
     return value.value if answer in (OK, WARNING) else None
-
-
-def uses_events(instance: "Instance") -> bool:
-    """Whether the instance has an event mode."""
-    return False

@@ -44,21 +44,29 @@ LOGGER = ctypes.CFUNCTYPE(None, POINTER, ctypes.c_int, TEXT_TYPE, TEXT_TYPE)(
 
 
 def instantiate(instance: "Instance") -> int | None:
-    """fmi3InstantiateCoSimulation; where the instance is, or None."""
+    """fmi3InstantiateCoSimulation; where the instance is, or None.
+
+    With event mode if the FMU has one; without if it does not come with it, since some claim what they lack.
+    """
     make = instance.library.function("fmi3InstantiateCoSimulation", POINTER, *[TEXT_TYPE] * 3, *[FLAG] * 4, POINTER,
                                      ctypes.c_size_t, POINTER, type(LOGGER), POINTER)
     resources = f"{instance.file.folder.resolve() / 'resources'}/"
     visible, logging, early_return = False, True, True
-    made: int | None = make(instance.name.encode(), instance.token.encode(), resources.encode(), visible, logging,
-                            uses_events(instance), early_return, None, 0, instance.number, LOGGER, None)
-    return made
+    for uses_events in (True, False) if instance.claims("hasEventMode") else (False,):
+        instance.messages.clear()
+        made: int | None = make(instance.name.encode(), instance.token.encode(), resources.encode(), visible, logging,
+                                uses_events, early_return, None, 0, instance.number, LOGGER, None)
+        if made:
+            instance.uses_events = uses_events
+            return made
+    return None
 
 
-def enter(instance: "Instance", start: float, stop: float, tolerance: float | None) -> None:
+def enter(instance: "Instance", start: float, stop: float | None, tolerance: float | None) -> None:
     """Enter Initialization Mode."""
     call = "fmi3EnterInitializationMode"
     instance.check(instance.call(call, FLAG(tolerance is not None), REAL_TYPE(tolerance or 0.0), REAL_TYPE(start),
-                                 FLAG(True), REAL_TYPE(stop)), call)
+                                 FLAG(stop is not None), REAL_TYPE(stop or 0.0)), call)
 
 
 def leave(instance: "Instance", start: float) -> None:
@@ -67,7 +75,7 @@ def leave(instance: "Instance", start: float) -> None:
     Raises RunError if the FMU ends the simulation at once, or does not come to the end of its events.
     """
     instance.simple("fmi3ExitInitializationMode")
-    if not uses_events(instance):
+    if not instance.uses_events:
         return
     flags, time = (FLAG * 5)(), REAL_TYPE()  # again, end of the simulation, ...
     places = [*(POINTER(ctypes.addressof(flags) + i) for i in range(5)), POINTER(ctypes.addressof(time))]
@@ -92,8 +100,3 @@ def ended_at(instance: "Instance", begun: float, until: float) -> float | None:
     if not ended:
         return None
     return min(max(time, begun), until) if time == time else begun
-
-
-def uses_events(instance: "Instance") -> bool:
-    """Whether the instance has an event mode."""
-    return instance.claims("hasEventMode")

@@ -4,6 +4,7 @@ What depends on nothing comes first. An algebraic loop is repeated until its val
 """
 from collections.abc import Mapping
 from itertools import groupby
+from types import MappingProxyType
 
 import numpy as np
 
@@ -97,15 +98,19 @@ class Exchange:
 
 
 def initialise(system: System, instances: Mapping[str, Instance], targets: Mapping[str, Connection],
-               start: float, stop: float, tolerance: float | None = None) -> None:
+               start: float, stop: float | None, tolerance: float | None = None,
+               inputs: Mapping[str, Mapping[str, float]] = MappingProxyType({})) -> None:
     """From instantiated, with parameters set, to ready to step. Times in s; the relative tolerance is each FMU's own,
-    of its default experiment, if it is None.
+    of its default experiment, if it is None. `inputs` has values of inputs that nothing is connected to: component ->
+    variable -> value.
 
     Raises RunError if an FMU refuses, or if the values of a loop do not settle.
     """
     for instance in instances.values():
         own = number(instance.file.description.experiment.get("tolerance"))
         instance.enter(start, stop, own if tolerance is None else tolerance)
+        instance.set({n: x if instance.file.variables[n].family == "Real" else int(x)
+                      for n, x in inputs.get(instance.name, {}).items()})
     exchange = Exchange(instances, targets)
     for batches in order(system, {n: i.file for n, i in instances.items()}, targets):
         if len(batches) == 1:

@@ -33,7 +33,7 @@ class Instance:
         """
         self.file, self.name = file, name
         self.standard = standard(file.description.version)
-        self.open, self.stepping, self.failed = False, False, False
+        self.open, self.stepping, self.failed, self.uses_events = False, False, False, False
         self.events: np.ndarray | None = None        # its row of `wiring.events`
         self.given: dict[str, Value] = {}            # elements of arrays that have been set
         self.only_one, self.token = self.claims("canBeInstantiatedOnlyOncePerProcess"), self.said(self.standard.TOKEN)
@@ -59,7 +59,6 @@ class Instance:
         if self.only_one:
             ONLY_ONE[self.token] = name
         self.component, self.pointer = ctypes.c_void_p(made), made
-        self.uses_events = self.standard.uses_events(self)
 
     @property
     def label(self) -> str:
@@ -183,8 +182,9 @@ class Instance:
 
     # --- life cycle -----------------------------------------------------------------------------------
 
-    def enter(self, start: float, stop: float, tolerance: float | None = None) -> None:
-        """From instantiated into Initialization Mode; times in s, a relative tolerance if there is one."""
+    def enter(self, start: float, stop: float | None, tolerance: float | None = None) -> None:
+        """From instantiated into Initialization Mode; times in s, without a stop if there is none; a relative
+        tolerance if there is one."""
         self.standard.enter(self, start, stop, tolerance)
 
     def leave(self, start: float) -> None:
@@ -197,11 +197,11 @@ class Instance:
         self.messages.clear()
         self.given.clear()
 
-    def setup(self, start: float, stop: float, tolerance: float | None = None) -> None:
+    def setup(self, start: float, stop: float | None, tolerance: float | None = None) -> None:
         """fmi2SetupExperiment; times in s."""
         real, flag = ctypes.c_double, ctypes.c_int
         status = self.call("fmi2SetupExperiment", flag(tolerance is not None), real(tolerance or 0.0), real(start),
-                           flag(1), real(stop))
+                           flag(stop is not None), real(stop or 0.0))
         self.check(status, "fmi2SetupExperiment")
 
     def simple(self, call: str) -> None:

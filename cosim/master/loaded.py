@@ -16,7 +16,9 @@ from .connections import checked_connections, recorded_names
 from .fmu import FmuFile
 from .initialise import initialise
 from .instance import Instance
+from .look_up import Place
 from .system import System, Value
+from .table import Table, inputs_of
 from .wiring import LONGEST_TEXT, Signal, Wirer, Wiring
 
 OF_GROUPS = (P.SET, P.PREDICT, P.SLOPE, P.GET, P.OFFER)
@@ -46,31 +48,34 @@ class Master:
     """A loaded system. `wiring.signals` holds what is connected or recorded at the current time."""
 
     def __init__(self, system: System, files: dict[str, FmuFile], record: list[str] | None = None,
-                 plain: bool = False, apart: bool = False, tolerance: float | None = None):
+                 plain: bool = False, apart: bool = False, tolerance: float | None = None,
+                 table: Table | None = None):
         """`files` has the open FMU file of every component; `record` picks variables by component.variable,
         * for any (None: all numeric outputs); `plain` takes the loop in Python; `apart` reads what is only to be
         recorded by calls of its own, so that programs can leave them out; `tolerance` is the relative one that FMUs
-        are asked for (None: what each declares).
+        are asked for (None: what each declares); `table` has inputs over time.
 
-        Raises UsageError for values, connections or patterns that do not fit the FMUs, RunError if an FMU
+        Raises UsageError for values, connections, patterns or a table that do not fit the FMUs, RunError if an FMU
         does not instantiate.
         """
         self.system, self.files, self.tolerance = system, files, tolerance
         self.values = self.checked_values(system)
         self.targets = checked_connections(system, files)
         recorded = recorded_names(system, files, record)
+        self.inputs = inputs_of(table, files, self.targets) if table else None
+        self.cursor = last_call.place.cursor if last_call.place else P.cursor()
+        self.span = last_call.place.span if last_call.place else np.zeros(2)
+        self.place = Place(self.inputs, self.cursor, self.span) if self.inputs else None
         self.instances: list[Instance] = []
         try:
             for component in system.components:
                 self.instances.append(Instance(files[component.name], component.name))
-            self.wiring = Wirer(self.instances, self.targets, recorded, apart).wire()
+            self.wiring = Wirer(self.instances, self.targets, recorded, apart, self.place).wire()
         except BaseException:
             self.close()
             raise
         self.number = {c.name: i for i, c in enumerate(system.components)}
         self.loop = make_loop(plain, self.wiring)
-        self.cursor = last_call.place.cursor if last_call.place else P.cursor()
-        self.span = last_call.place.span if last_call.place else np.zeros(2)
 
     def checked_values(self, system: System) -> dict[str, dict[str, Value]]:
         """Component -> variable -> value in the variable's type. Raises UsageError for a value that does not fit."""
@@ -86,20 +91,34 @@ class Master:
         """The recorded signals as they are now, shape (columns,)."""
         return self.wiring.signals.take(self.wiring.recorded)
 
+    def row_at(self, time: float, step: float) -> np.ndarray:
+        """The same as the tick loop records it at `time` (s): what is marked for later than a step of `step` (s) allows
+        shows what it was before."""
+        w = self.wiring
+        due = w.clock[w.holder[w.recorded], 0] <= time + 0.5 * step
+        row: np.ndarray = np.where(due, w.signals[w.recorded], w.before[w.recorded])
+        return row
+
     # --- life cycle -----------------------------------------------------------------------------------
 
-    def initialise(self, start: float, stop: float) -> None:
-        """Set values, then exchange outputs and inputs until all FMUs are ready to step. Times in s.
+    def initialise(self, start: float, stop: float | None) -> None:
+        """Set values, then exchange outputs and inputs until all FMUs are ready to step. Times in s; without a stop the
+        FMUs know none.
 
         Raises RunError if an FMU refuses, or if the values do not settle.
         """
         for instance in self.instances:
             instance.set(self.values[instance.name])
-        initialise(self.system, {i.name: i for i in self.instances}, self.targets, start, stop, self.tolerance)
+        initialise(self.system, {i.name: i for i in self.instances}, self.targets, start, stop, self.tolerance,
+                   self.inputs.at(start) if self.inputs else {})
         self.wiring.begin(self.instances)
-        self.run(P.program(P.row(P.GET, g.number) for groups in self.wiring.outputs for g in groups), 0, 1, start, 0.0)
+        self.read_all(start)
         self.wiring.before[:] = self.wiring.signals
         self.wiring.clock[:] = start
+
+    def read_all(self, time: float) -> None:
+        """Read all outputs at `time` (s) into the signals. Raises RunError if an FMU refuses."""
+        self.run(P.program(P.row(P.GET, g.number) for groups in self.wiring.outputs for g in groups), 0, 1, time, 0.0)
 
     def reset(self, system: System) -> None:
         """Back to before initialisation, to fly `system`: the same components and connections, other values.

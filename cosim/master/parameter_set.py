@@ -57,7 +57,7 @@ def parameters(node: Node) -> Iterator[tuple[str, Given]]:
         name, element = parameter.get("name"), parameter[0]
         kind, text = short(element.tag), element.get("value", "")
         if kind == "Binary":
-            raise UsageError(f"The parameter {name} is Binary; FMI 2.0 has no such variables.")
+            raise UsageError(f"The parameter {name} is Binary, which is not supported.")
         unit_name = element.get("unit")
         own_unit = known.get(unit_name, Unit(unit_name)) if unit_name else None
         yield name, Given(READ.get(kind, str)(text), kind, own_unit)

@@ -1,6 +1,7 @@
 """Signals of a flight over time, one panel for each unit and one for its differences."""
 from collections.abc import Sequence
 from io import BytesIO
+from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -11,6 +12,8 @@ from .course import terms
 
 if TYPE_CHECKING:
     from .flight import Flight
+
+CURVES, PANELS = 8, 6
 
 
 class Picture(Figure):
@@ -53,9 +56,14 @@ def plot(flight: "Flight", names: Sequence[str]) -> Figure:
     for name in names:
         found = curve(flight, name)
         panels.setdefault((found.unit, found.difference), []).append(found)
+    return drawn(flight, [(unit, curves) for (unit, _), curves in panels.items()])
+
+
+def drawn(flight: "Flight", panels: Sequence[tuple[str, list[Curve]]]) -> Figure:
+    """A figure with these panels above each other: the unit and the curves of each."""
     figure = Picture(figsize=(8, 1 + 2.2 * len(panels)), layout="constrained")
     axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
-    for axis, ((unit, _), curves) in zip(axes, panels.items()):
+    for axis, (unit, curves) in zip(axes, panels):
         for one in curves:
             axis.plot(one.time, one.values, label=one.label, linewidth=1.2)
         axis.set_ylabel(unit, parse_math=False)
@@ -67,3 +75,23 @@ def plot(flight: "Flight", names: Sequence[str]) -> Figure:
     if flight.message:
         axes[0].set_title(f"ended at {flight.reached:.6g} s", fontsize="medium")
     return figure
+
+
+def draw_all(flight: "Flight", folder: Path) -> list[Path]:
+    """Draw all signals into `folder`, which is made: signals that share a unit in one panel, at most CURVES in a panel
+    and PANELS in a picture; the pictures' paths. A flight without signals has none.
+
+    Raises OSError if a picture cannot be written.
+    """
+    by_unit: dict[str, list[Curve]] = {}
+    for name in flight:
+        found = curve(flight, name)
+        by_unit.setdefault(found.unit, []).append(found)
+    panels = [(unit, curves[i:i + CURVES]) for unit, curves in by_unit.items() for i in range(0, len(curves), CURVES)]
+    folder.mkdir(exist_ok=True)
+    written = []
+    for i in range(0, len(panels), PANELS):
+        path = folder / f"signals{f'_{i // PANELS + 1}' if len(panels) > PANELS else ''}.png"
+        drawn(flight, panels[i:i + PANELS]).savefig(path, dpi=110, pil_kwargs={"compress_level": 1})
+        written.append(path)
+    return written

@@ -39,7 +39,7 @@ class Kind:
 
 KINDS = {
     "run": Kind("a run", "run.json", "controller", ("signals.parquet", "signals.csv", "figures")),
-    "simulate": Kind("a simulation", "run.json", "system", ("signals.parquet", "signals.csv")),
+    "simulate": Kind("a simulation", "run.json", "system", ("signals.parquet", "signals.csv", "figures")),
     "compare": Kind("a comparison", "compare.json", "controllers", ("compare_*.png",)),
     "campaign": Kind("a campaign", "campaign.json", "dispersions", (
         "campaign.yaml", "parts", "receipt.json", "runs.parquet", "signals.parquet", "errors.parquet", "report.html",

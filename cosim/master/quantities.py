@@ -5,10 +5,12 @@ FMI 2.0 (section 2.2.2) and SSP 1.0 define units alike: by a factor and an offse
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from functools import cache
 from math import isclose, isfinite
 from typing import TYPE_CHECKING, Any
 
 from ..errors import UsageError
+from .notes import note
 
 if TYPE_CHECKING:
     from .declared import Variable
@@ -16,6 +18,7 @@ if TYPE_CHECKING:
 
 QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?+)\s*([^\d\s.+-].*?)\s*")
 BASE = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
+SIGNS = str.maketrans({"²": "2", "³": "3", "⁻": "-", "¹": "1", "µ": "u", "μ": "u", "Ω": "Ohm", "Ω": "Ohm", "°": "deg"})
 ROUNDING = 1e-9  # definitions that differ by less, relatively, are the same unit, written with fewer digits
 
 
@@ -70,16 +73,38 @@ def scale(attributes: Mapping[str, Any]) -> tuple[float, float] | None:
 def conversion(source: Unit, target: Unit, relative: bool = False) -> tuple[float, float] | None:
     """(factor, offset) from values in `source` to values in `target`; None if there is none.
 
-    Of a difference (`relative`) only the factor changes. A unit that is not defined is known by its name alone.
+    Of a difference (`relative`) only the factor changes. A unit that is not defined is known by its name alone, however
+    that is spelt; the user is told of two spellings.
     """
     if source.exponents is None or target.exponents is None:
-        return (1.0, 0.0) if source.name == target.name else None
+        if spelling(source.name) != spelling(target.name):
+            return None
+        if source.name != target.name:
+            tell_spellings(source.name, target.name)
+        return 1.0, 0.0
     if source.exponents != target.exponents:
         return None
     same_size = isclose(source.factor, target.factor, rel_tol=ROUNDING)
     same_origin = relative or isclose(source.offset, target.offset, rel_tol=ROUNDING)
     return (1.0 if same_size else source.factor / target.factor,
             0.0 if same_origin else (source.offset - target.offset) / target.factor)
+
+
+def spelling(name: str) -> str:
+    """A unit's name in one of the ways in which it is written: `m3` for [m3], m^3, m**3 and m³; `kg.m` for kg m, kg*m
+    and kg·m."""
+    found = name.strip().translate(SIGNS)
+    while (found[:1], found[-1:]) in (("[", "]"), ("(", ")")) and not set(found[1:-1]) & set("[]()"):
+        found = found[1:-1].strip()
+    found = re.sub(r"\s*(/)\s*|\s*[.*·⋅]\s*|\s+", lambda sign: sign[1] or ".", found.replace("**", "").replace("^", ""))
+    return "1" if found in ("", "-", "1") else found
+
+
+@cache
+def tell_spellings(one: str, other: str) -> None:
+    """Tell the user, once, that two spellings are taken for one unit."""
+    note(f"the units {one or 'without a name'} and {other or 'without a name'} are taken for one that is spelt in two "
+         f"ways.")
 
 
 def between(one: Unit, other: Unit) -> tuple[str, str]:

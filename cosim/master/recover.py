@@ -59,7 +59,7 @@ def recovered(folder: Path) -> tuple[Flight, dict[str, Any]] | None:
                     known["parameters"], known["fmus"], periods=known["periods"])
     take_rows(flight, recorder)
     flight.reached = float(flight.time[-1])
-    flight.ticks = round(flight.reached / request["step_s"])
+    flight.ticks = round((flight.reached - request.get("start_s", 0.0)) / request["step_s"])
     flight.message = f"The flight was killed; its rows up to t = {flight.reached:.6g} s were recovered."
     return flight, request
 

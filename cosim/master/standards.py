@@ -18,9 +18,9 @@ class Standard(Protocol):
     TYPES: dict[str, tuple[str, int]]  # type of a variable -> what Get... and Set... call it, kind of group (`program`)
 
     def instantiate(self, instance: "Instance") -> int | None:
-        """Make the instance; where it is, or None."""
+        """Make the instance; where it is, or None. Says in `instance.uses_events` whether it has an event mode."""
 
-    def enter(self, instance: "Instance", start: float, stop: float, tolerance: float | None) -> None:
+    def enter(self, instance: "Instance", start: float, stop: float | None, tolerance: float | None) -> None:
         """From instantiated to Initialization Mode; times in s. Raises RunError."""
 
     def leave(self, instance: "Instance", start: float) -> None:
@@ -28,9 +28,6 @@ class Standard(Protocol):
 
     def ended_at(self, instance: "Instance", begun: float, until: float) -> float | None:
         """See `Instance.ended_at`."""
-
-    def uses_events(self, instance: "Instance") -> bool:
-        """Whether the instance has an event mode."""
 
 
 def standard(version: str) -> Standard:

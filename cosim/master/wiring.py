@@ -22,10 +22,12 @@ import numpy as np
 from .declared import Variable
 from .description import Description
 from .instance import Instance
-from .program import CHANGED, FLAGS, FLOAT, REAL, TEXT
+from .look_up import Place
+from .program import CHANGED, FLAGS, FLOAT, INT64, REAL, TEXT
 from .system import Connection
 
 LONGEST_TEXT = 4096
+OF_TABLE = " (table)"  # after the name of an input: its slot
 
 
 @dataclass(frozen=True)
@@ -78,6 +80,7 @@ class Wiring:
     sources: np.ndarray = field(default_factory=lambda: np.empty(0, np.int64))      # slots that are connected
     inputs: list[list[Group]] = field(default_factory=list)  # of each component
     outputs: list[list[Group]] = field(default_factory=list)
+    looked_up: list[list[Group]] = field(default_factory=list)  # of each component: read from the table of inputs
     every_group: list[Group] = field(default_factory=list)   # in the order of `groups`
     groups: np.ndarray = field(default_factory=lambda: np.empty((0, 12), np.int64))
     components: np.ndarray = field(default_factory=lambda: np.empty((0, 13), np.int64))
@@ -116,12 +119,14 @@ class Wirer:
     """Builds the Wiring of instances: `wire` is called once.
 
     `targets` has the connection of each connected input, `recorded` the names to record; `apart` puts what is only
-    recorded into groups of its own.
+    recorded into groups of its own; `place` has the table that feeds inputs, if there is one.
     """
 
     def __init__(self, instances: list[Instance], targets: dict[str, Connection], recorded: set[str],
-                 apart: bool):
+                 apart: bool, place: Place | None = None):
         self.instances, self.targets, self.recorded, self.apart = instances, targets, recorded, apart
+        self.table = place
+        self.columns = {name: i for i, name in enumerate(place.inputs.names)} if place else {}
         self.sources = {link.source for link in targets.values()}
         self.wiring = Wiring()
         self.slot: dict[str, int] = {}
@@ -172,12 +177,13 @@ class Wirer:
         """Add the groups of the component `number`, inputs and outputs of each type."""
         instance, w = self.instances[number], self.wiring
         full, file = instance.name + ".", instance.file
-        given = file.together(n for n in file.names("input") if full + n in self.targets)
+        given = file.together(n for n in file.names("input") if full + n in self.targets or full + n in self.columns)
         shown = [n for n in file.variables if full + n in self.slot or full + n in self.text]
         needed = {n for n in shown if full + n in self.sources or not self.apart}
         read = {n: not needed.isdisjoint(file.together([n])) for n in shown}
         w.inputs.append([])
         w.outputs.append([])
+        w.looked_up.append(self.add_looked_up(number) if self.table else [])
         for suffix, kind in dict.fromkeys(instance.standard.TYPES.values()):
             mine = [n for n in given if instance.standard.TYPES[file.variables[n].type] == (suffix, kind)
                     and not self.in_events(instance, n)]
@@ -189,12 +195,34 @@ class Wirer:
                 if mine:
                     w.outputs[number].append(self.add_group(number, "Get", suffix, kind, mine, connected))
 
+    def add_looked_up(self, number: int) -> list[Group]:
+        """Add the groups that read the component's inputs from the table, into slots of their own."""
+        instance, table, found = self.instances[number], self.table, []
+        assert table is not None
+        for whole in (False, True):
+            names = [n for n in instance.file.names("input") if f"{instance.name}.{n}" in self.columns
+                     and (instance.file.variables[n].family != "Real") == whole]
+            if not names:
+                continue
+            group = Group("Get", "Real", INT64 if whole else REAL, number, names, len(self.rows), True)
+            slots = [self.place(number, instance.file.variables[n], OF_TABLE) for n in names]
+            for slot in slots:
+                self.smooth[slot] = False  # known at the start of the step, it has no last slope
+            self.wiring.every_group.append(group)
+            self.rows.append([table.address(whole), table.pointer, len(self.references), len(names), 0,
+                              len(self.links), group.kind, number, 0, 0, 0, len(names)])
+            self.links += [(slot, 1.0, 0.0) for slot in slots]
+            self.references += [self.columns[f"{instance.name}.{n}"] for n in names]
+            found.append(group)
+        return found
+
     def add_offers(self, number: int) -> tuple[int, int]:
         """Add the groups of a component's discrete inputs if these are given in event mode; the range of their rows."""
         instance, first = self.instances[number], len(self.rows)
         full, file = instance.name + ".", instance.file
         given = file.together(n for n in file.names("input")
-                              if full + n in self.targets and self.in_events(instance, n))
+                              if (full + n in self.targets or full + n in self.columns)
+                              and self.in_events(instance, n))
         for suffix, kind in dict.fromkeys(instance.standard.TYPES.values()):
             mine = [n for n in given if instance.standard.TYPES[file.variables[n].type] == (suffix, kind)]
             if mine:
@@ -215,6 +243,9 @@ class Wirer:
             link = self.targets.get(f"{instance.name}.{name}")
             if link:
                 found.append(((self.text if text else self.slot)[link.source], link.factor, link.offset))
+                continue
+            if f"{instance.name}.{name}" in self.columns:
+                found.append((self.slot[f"{instance.name}.{name}{OF_TABLE}"], 1.0, 0.0))
                 continue
             slot = self.place(number, instance.file.variables[name], " (held)")
             self.wiring.held.append((number, name, slot))

@@ -12,6 +12,7 @@ from lxml import etree
 
 from ..errors import UsageError
 from .notes import note
+from .ssp2 import in_words_of_1
 
 SSD, SSC, SSV, SSM = (f"{{http://ssp-standard.org/SSP1/SystemStructure{part}}}"
                       for part in ("Description", "Common", "ParameterValues", "ParameterMapping"))
@@ -111,15 +112,18 @@ def valid(node: Node, where: str, root: str) -> Node:
     """`node` itself. Raises UsageError unless it is a valid `root`."""
     schema_name, kind = DOCUMENTS[root]
     if node.tag != root:
-        raise UsageError(f"{where} is not an SSP 1.0 {kind}: its root element is {short(node.tag)}.")
+        own = short(node.tag) if short(node.tag) != short(root) else f"{node.tag}, of another namespace"
+        raise UsageError(f"{where} is not an SSP {kind}: its root element is {own}.")
     version = node.get("version", "1.0")
-    if not version.startswith("1."):
-        raise UsageError(f"{where} is an SSP {version} {kind}; SSP 1.0 is what runs here.")
+    if not version.startswith(("1.", "2.")):
+        raise UsageError(f"{where} is an SSP {version} {kind}; SSP 1.0 and 2.0 are what runs here.")
+    if version.startswith("2."):
+        node = in_words_of_1(node)
     checker = schema(schema_name)
     checker.validate(node)
     for error in checker.error_log:
         if not harmless(error):
-            raise UsageError(f"{where}, line {error.line}, is not a valid SSP 1.0 {kind}: {short(error.message)}")
+            raise UsageError(f"{where}, line {error.line}, is not a valid SSP {version} {kind}: {short(error.message)}")
         note(f"{where}, line {error.line}: {short(error.message)} That is ignored.")
     return node
 

@@ -80,6 +80,8 @@ def chosen(system: System, files: Mapping[str, FmuFile], targets: Mapping[str, C
                              f"{did_you_mean(pattern, known)}")
         if (equals and not name) or (equals and pattern not in known):
             raise UsageError(f"--connector {word} is not allowed: a name stands before one COMPONENT.VARIABLE.")
+        if not name.isprintable():
+            raise UsageError(f"--connector {word!r} is not allowed: a name is one line of printable text.")
         for full in fits:
             found[full] = Port(name or full, *known[full], value=values.get(full))
     return list(found.values())

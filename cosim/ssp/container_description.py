@@ -1,8 +1,10 @@
 """modelDescription.xml of a container: the components' variables under the container's names."""
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from xml.etree.ElementTree import Element, SubElement
 
+from ..errors import UsageError
 from ..master.declared import Variable
 from ..master.dependencies import inputs_behind
 from ..master.fmu import FmuFile
@@ -78,6 +80,8 @@ def add_variable(parent: Element, port: Port, reference: int, files: Mapping[str
         if value is not None and (same or attribute not in ("unit", "displayUnit")):
             typed.set(attribute, value)
     start = port.start(files)
+    if start is not None and re.search("[\x00-\x08\x0b\x0c\x0e-\x1f\ufffe\uffff]", start):
+        raise UsageError(f"{port.full} = {start!r} is not allowed: XML has no such characters.")
     if start is not None and (v.causality == "input" or v.initial in ("exact", "approx")):
         typed.set("start", start)
 

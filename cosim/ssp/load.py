@@ -23,7 +23,7 @@ SSD_FILE = "SystemStructure.ssd"
 
 @dataclass(frozen=True, init=False)
 class LoadedSsp(System):
-    """The system in an SSP file, with the start, stop and step that the file suggests.
+    """The system in an SSP, with the start, stop and step that the file suggests.
 
     Its FMUs are unpacked for as long as this object is in use, or until `close`, or the end of a `with` block.
     """
@@ -50,19 +50,23 @@ class LoadedSsp(System):
 
 
 def load_ssp(path: str | PathLike[str]) -> LoadedSsp:
-    """The system in the SSP file at `path`, ready to fly.
+    """The system in the SSP at `path`, ready to fly: an archive, or the .ssd file in an unpacked one.
 
     Raises UsageError, one sentence, for what is broken or not supported.
     """
     path = as_path(path)
-    folder = unpacked(path)
+    loose = path.suffix.lower() == ".ssd"
+    if loose and not path.is_file():
+        raise UsageError(f"There is no file {path}.")
+    folder = Folder() if loose else unpacked(path)
     try:
-        ssd = folder.path / SSD_FILE
+        base = path.parent if loose else folder.path
+        ssd = path if loose else folder.path / SSD_FILE
         if not ssd.is_file():
             raise UsageError(f"{path} has no {SSD_FILE}: it is not an SSP.")
-        structure = read(parse(ssd.read_bytes(), SSD_FILE, SSD + "SystemStructureDescription"))
+        structure = read(parse(ssd.read_bytes(), path.name if loose else SSD_FILE, SSD + "SystemStructureDescription"))
         with ExitStack() as stack:
-            return assembled(structure, folder, opened(structure, folder.path, stack))
+            return assembled(structure, folder, base, opened(structure, base, stack))
     except BaseException:
         folder.close()  # at once, since a traceback keeps what it has seen
         raise
@@ -91,8 +95,8 @@ def open_fmu(path: Path, source: str) -> FmuFile:
         raise type(error)(str(error).replace(str(path), source)) from None
 
 
-def assembled(structure: Structure, folder: Folder, files: dict[ElementPath, FmuFile]) -> LoadedSsp:
-    """The system of a structure whose FMUs are open.
+def assembled(structure: Structure, folder: Folder, base: Path, files: dict[ElementPath, FmuFile]) -> LoadedSsp:
+    """The system of a structure whose FMUs are open; its files are below `base`.
 
     Raises UsageError for connectors, connections or values that do not fit the FMUs.
     """
@@ -114,7 +118,7 @@ def assembled(structure: Structure, folder: Folder, files: dict[ElementPath, Fmu
         variable = variable_at(point)
         return variable is not None and variable.relative
 
-    values, ignored = bound(structure, folder.path, lambda path, name: name in files[path].variables)
+    values, ignored = bound(structure, base, lambda path, name: name in files[path].variables)
     tracer = Tracer(structure, unit_of, relative)
     connections, components, sources = [], [], {}
     for element in structure.components():
@@ -125,12 +129,15 @@ def assembled(structure: Structure, folder: Folder, files: dict[ElementPath, Fmu
         for name in (c for c in element.connectors if (path, c) in tracer.incoming):
             traced = tracer.at((path, name))
             origin = traced.origin
-            if origin[0] in files:
+            if origin[0] in files:  # of arrays, the master connects each element
                 connections.append(Connection(f"{flat(origin[0])}.{origin[1]}", f"{flat(path)}.{name}",
                                               traced.factor, traced.offset))
-            elif origin in values:
-                value = values[origin].for_variable(file.variables[name], unit_of(origin), called(origin))
-                start[name] = through(value, traced.factor, traced.offset)
+            else:
+                for given, element_of in arrays_of(file, name, origin[1]):
+                    fed = (origin[0], element_of)
+                    if fed in values:
+                        value = values[fed].for_variable(file.variables[given], unit_of(origin), called(origin))
+                        start[given] = through(value, traced.factor, traced.offset)
         checked = {name: file.checked(name, value, flat(path)) for name, value in start.items()}
         components.append(Component(flat(path), file.path, checked))
         sources[flat(path)] = element.source or ""
@@ -138,6 +145,12 @@ def assembled(structure: Structure, folder: Folder, files: dict[ElementPath, Fmu
     return LoadedSsp(components, connections, structure.step or min(declared(files, "stepSize"), default=None),
                      structure.stop or max(declared(files, "stopTime"), default=None), structure.start or 0.0,
                      structure.name, sources, ignored, folder)
+
+
+def arrays_of(file: FmuFile, name: str, origin: str) -> list[tuple[str, str]]:
+    """The variables of the connector `name`, each with the name of what feeds it from the connector `origin`: of an
+    array, those of the same indices."""
+    return [(n, origin + n.removeprefix(name)) for n in file.arrays.get(name, [name])]
 
 
 def flat(path: ElementPath) -> str:
@@ -163,11 +176,13 @@ def check_connectors(structure: Structure, files: dict[ElementPath, FmuFile]) ->
     for element in structure.components():
         file = files[element.path]
         for name, connector in element.connectors.items():
+            if name in file.arrays:
+                continue
             if name not in file.variables:
                 raise UsageError(f"{shown(element.path)} has a connector {name}, but {file.path.name} has no such "
                                  f"variable{did_you_mean(name, file.variables)}")
             variable = file.variables[name]
-            if connector.type not in (None, variable.type):
+            if connector.type not in (None, variable.family):
                 raise UsageError(f"{called((element.path, name))} is {connector.type} in {SSD_FILE} and "
                                  f"{variable.type} in {file.path.name}.")
             own = file.description.unit_of(variable)

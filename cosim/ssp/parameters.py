@@ -102,7 +102,7 @@ def resolve(structure: Structure, path: ElementPath, name: str, has: Has) -> Poi
     element = structure.elements[path]
     if element.source is not None:
         return (path, name) if has(path, name) else None
-    if name in element.connectors:
+    if name.partition("[")[0] in element.connectors or name in element.connectors:
         return path, name
     for inner in structure.elements:
         if inner and inner[:-1] == path and name.startswith(inner[-1] + "."):

@@ -133,7 +133,7 @@ def add_element(node: Node, path: ElementPath, source: str | None, structure: St
         name = connector.get("name")
         kind = next((part for part in TYPES if connector.find(f"{SSC}{part}") is not None), None)
         if kind == "Binary":
-            raise UsageError(f"{shown(path)} has the Binary connector {name}; FMI 2.0 has no such variables.")
+            raise UsageError(f"{shown(path)} has the Binary connector {name}, which is not supported.")
         unit_name = connector.find(f"{SSC}Real").get("unit") if kind == "Real" else None
         known = structure.units.get(unit_name, Unit(unit_name)) if unit_name else None
         connectors[name] = Connector(connector.get("kind"), kind, known)

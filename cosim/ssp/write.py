@@ -96,7 +96,8 @@ def description(name: str, system: System, files: dict[str, FmuFile], places: di
                    description="oms-ma", stepSize=repr(float(step)), absoluteTolerance="0.0001",
                    relativeTolerance="0.0001")
     add_units(root, units)
-    experiment = SubElement(root, "ssd:DefaultExperiment", startTime="0.0", stopTime=repr(float(stop)))
+    experiment = SubElement(root, "ssd:DefaultExperiment", startTime=repr(float(system.start)),
+                            stopTime=repr(float(stop)))
     add_annotation(experiment, "com.opensimulationplatform", "osp:Algorithm/osp:FixedStepAlgorithm",
                    baseStepSize=repr(float(step)))
     return xml(root)

@@ -1,5 +1,5 @@
 """One flight of a scenario, from words to a folder of results: what `ahv run` does."""
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
@@ -33,12 +33,15 @@ def run(scenario: str | Scenario, controller: str = "neural", preset: Mapping[st
         plant: str = "ideal", flavour: str | None = None, step: float = 0.01, stop: float | None = None,
         algorithm: str = "gauss-seidel", values: Values | None = None, uncertainty: float | None = None,
         decimate: int = 1, stream: bool = False, isolate: bool = False, time_limit: float | None = None,
-        plain: bool = False, real_time: float | None = None, out: Path | None = None, progress: bool = False) -> Run:
+        plain: bool = False, real_time: float | None = None, out: Path | None = None, progress: bool = False,
+        record: Sequence[str] = ()) -> Run:
     """Fly `scenario` (a built-in name, a YAML file or a Scenario) and write signals, run.json and figures.
 
     `controller` and `plant` are words of the registry or anybody's FMUs (NAME=FILE.fmu); `preset` is the controller's,
     or component -> name. `values` are set last: component -> variable -> value. `step`, `stop` are in s. The results
-    go to `out`, else to results/run/SCENARIO. Other arguments are those of `master.flight.fly`.
+    go to `out`, else to results/run/SCENARIO. `record` picks the signals, as patterns of component.variable (none: all
+    outputs); metrics and figures whose signals are left out are left out, too. Other arguments are those of
+    `master.flight.fly`.
 
     Raises UsageError for what cannot be flown, RunError if an FMU does not start. A flight that ends early is a
     result: `flight.finished` is False and `flight.message` says why. After a signal there are no figures and
@@ -55,6 +58,8 @@ def run(scenario: str | Scenario, controller: str = "neural", preset: Mapping[st
         said = said_of(plan, loop, algorithm, step, end)
         rows = asked(folder, said) if stream else None
         options: dict[str, Any] = {"decimate": decimate, "stream": rows} if rows else {}
+        if record:
+            options["record"] = list(record)
         bar, tell = progress_bar(plan.name, end)
         with bar:
             flight = explained(launch(loop.system, step, end, algorithm, tell if progress else None,

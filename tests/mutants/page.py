@@ -14,8 +14,9 @@ same number in every room of the project, and tries each mutant in a copy of the
 fails or hangs. A mutant that changes nothing that can be observed is *equivalent*: `tests/mutants/judged.yaml` lists
 these with the reason. The share is killed / (tried - equivalent). "Before" is the share at the first trial of each
 mutant, when no tests had been written for the survivors yet; the recorded flights of the models
-(`tests/unit/test_model_numbers.py`) were there already. A room with fewer tried than drawn is not finished:
-`make mutants` goes on there. `tests/mutants/rooms.py` names the files and the tests of each room,
+(`tests/unit/test_model_numbers.py`) were there already. It is a lower bound in `campaign`, `algorithms` and `fmus`,
+where some first trials ran only those tests that look at the mutated function. A room with fewer tried than drawn is
+not finished: `make mutants` goes on there. `tests/mutants/rooms.py` names the files and the tests of each room,
 `tests/mutants/points.py` the changes.
 
 This page is written by `.venv/bin/python tests/mutants --table`.

@@ -135,6 +135,14 @@ def test_what_is_no_campaign_at_all_is_refused_too(text, tmp_path):
         plan(text, tmp_path)
 
 
+def test_a_relative_draw_multiplies_the_value_that_would_fly(tmp_path):
+    text = GOOD.replace("distribution: normal, mean: 300, std: 10, low: 270, high: 330",
+                        "distribution: uniform, low: 0.5, high: 1.5, relative: true")
+    assert text != GOOD
+    assert plan(text, tmp_path).draws["neural"][0].factor == 300.0
+    assert plan(f"{text}set: {{plant.mass: 290}}\n", tmp_path).draws["neural"][0].factor == 290.0
+
+
 @pytest.mark.parametrize("text", ["seed: 0", f"seed: {2**63 - 1}", "seed: 0x10"])
 def test_seeds_are_all_whole_numbers_of_63_bits(text, tmp_path):
     assert plan(GOOD.replace("seed: 3", text), tmp_path).campaign.seed == int(text.partition(" ")[2], 0)

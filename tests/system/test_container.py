@@ -138,6 +138,7 @@ def gains(tmp_path, *connections, inner="", second=None):
     (["engine.*"], "--connector engine.*: engine.* fits no output and no input that is free"),
     (["x=plant.*"], "--connector x=plant.* is not allowed: a name stands before one COMPONENT.VARIABLE."),
     (["=plant.V"], "--connector =plant.V is not allowed: a name stands before one COMPONENT.VARIABLE."),
+    (["a\nb=plant.V"], "--connector 'a\\nb=plant.V' is not allowed: a name is one line of printable text."),
     (["x=plant.V", "x=plant.h"], "Two connectors are called x: plant.V and plant.h."),
     (["plant.mass=plant.V"], "Two connectors are called plant.mass: plant.V and plant.mass."),
 ])
@@ -167,6 +168,13 @@ def test_a_whole_number_for_a_real_is_refused(tmp_path):
     with load_ssp(s.write(tmp_path / "gains.ssp", text)) as system, pytest.raises(UsageError) as caught:
         write_container(tmp_path / "x.fmu", "gains", system, STEP, 1)
     assert str(caught.value) == "The container cannot connect a.whole (Integer) to b.u (Real)."
+
+
+def test_a_text_that_xml_cannot_have_is_refused(tmp_path):
+    with gains(tmp_path) as loaded, pytest.raises(UsageError) as caught:
+        system = cosim.System([c.with_values({"label": "a\x1b"}) for c in loaded.components])
+        write_container(tmp_path / "x.fmu", "x", system, STEP, 1)
+    assert str(caught.value) == r"a.label = 'a\x1b' is not allowed: XML has no such characters."
 
 
 def test_every_type_of_parameter_is_set(tmp_path):

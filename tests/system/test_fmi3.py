@@ -183,9 +183,15 @@ def test_an_fmu_may_end_the_simulation(eventful, fault, time, plain):
     assert flight.message == f"a (small3_events.fmu) ended the simulation at t = {time:g} s."
 
 
-def test_an_fmu_that_cannot_do_without_event_mode_has_it(folder):
-    system = one(small3.build(folder, events=True, flags=("-DNEEDS_EVENTS",)))
-    assert fly(system, 0.1, 1.0).finished
+@pytest.mark.parametrize("claimed,had,flies", [(True, 1, True), (True, 0, True), (False, 0, True), (False, 1, False)])
+def test_event_mode_is_used_where_it_is_claimed_and_there(tmp_path, claimed, had, flies):
+    system = one(small3.build(tmp_path, events=claimed, flags=(f"-DEVENTS={had}",)), period=0.25)
+    if not flies:
+        with pytest.raises(RunError, match=r"cannot be instantiated: .* It said: not with this event mode"):
+            fly(system, 0.1, 1.0)
+        return
+    flight = fly(system, 0.1, 1.0)
+    assert flight.finished and flight["a.count"][-1] == 4 and flight["a.entered"][-1] == 4 * had
 
 
 # --- start, tolerance, outputs ----------------------------------------------------------------------------------------

@@ -54,7 +54,7 @@ def test_a_strangers_preset_has_units_items_and_every_type(tmp_path):
 
 
 @pytest.mark.parametrize("content,sentence", [
-    ("not XML", r"mild\.ssv of Gain\.fmu is not well-formed XML"), ("<a/>", "is not an SSP 1.0 parameter set"),
+    ("not XML", r"mild\.ssv of Gain\.fmu is not well-formed XML"), ("<a/>", "is not an SSP parameter set"),
     (parameters(parameter("k", "much")), "is not a valid SSP 1.0 parameter set"),
     (parameters(parameter("k", 1, unit="s")), "The value of k cannot be converted from s to m"),
     (parameters(parameter("n", "lwo", "Enumeration")), "n = lwo is not allowed; there are low"),

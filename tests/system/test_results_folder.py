@@ -20,8 +20,8 @@ from cosim.master import publish as publishing
 from cosim.master.folder import claimed
 from cosim.master.publish import KINDS, publish
 from cosim.master.system import Component, System
-from cosim.ssp.simulate import simulate
 from cosim.ssp.write import write as write_ssp
+from cosim.systems.simulate import simulate
 from cosim.vehicle import scenarios
 from cosim.vehicle.closed_loop import closed_loop
 from cosim.vehicle.compare import compare

@@ -11,7 +11,7 @@ from places import AHV
 from ssp_files import HEAD, component, connection, gain, inline, parameter, ssd, system, write
 
 from cosim.errors import UsageError
-from cosim.ssp.simulate import simulate
+from cosim.systems.simulate import simulate
 
 ONE = ssd(system("root", component("a")))
 ENTITIES = "".join(f"<!ENTITY a{i} '{10 * f'&a{i - 1};'}'>" for i in range(1, 30))

@@ -25,9 +25,10 @@ ALGORITHMS = {
 
 @dataclass(frozen=True)
 class Method:
-    """An algorithm's name and its options, as in `multi-rate,controller=20,hold=linear`."""
+    """An algorithm's name and its options, as in `multi-rate,controller=20,hold=linear`, which is its `word`."""
     name: str
     options: dict[str, Any] = field(default_factory=dict)
+    word: str = field(default="", compare=False)
 
     @property
     def algorithm(self) -> type[Algorithm]:
@@ -66,4 +67,4 @@ def method(word: str) -> Method:
         except ValueError as error:
             raise UsageError(f"--algorithm {word}: {value} is no value for {key}: it must be {error}.") from None
         (options if key in known else rates)[key] = read
-    return Method(name, {**options, **({"rates": rates} if "rates" in known else {})})
+    return Method(name, {**options, **({"rates": rates} if "rates" in known else {})}, word)

@@ -16,12 +16,14 @@ from .options import Options
 
 @dataclass
 class Experiment:
-    """From `start`, `ticks` steps of `step` seconds, every `decimate`-th tick recorded."""
+    """From `start`, `ticks` steps of `step` seconds, every `decimate`-th tick recorded; the first `first` of them were
+    taken by an earlier flight."""
     start: float
     step: float
     ticks: int
     recorder: Recorder
     decimate: int = 1
+    first: int = 0
 
     @property
     def stop(self) -> float:
@@ -49,12 +51,14 @@ class Algorithm(Protocol):
 
 
 def inputs(master: Master, component: int, hold: bool, period: int = 1) -> list[Row]:
-    """Give a component its inputs for a step of `period` ticks: as they are, or on their last slope."""
+    """Give a component its inputs for a step of `period` ticks: as they are, or on their last slope. Those of a table
+    are looked up first."""
     def code(group: Group) -> int:
         if group.in_events:
             return P.OFFER
         return P.SET if not hold or not group.real else P.SLOPE if group.interpolates else P.PREDICT
-    return [row(code(g), g.number, period, 0, period) for g in master.wiring.inputs[component]]
+    return [*(row(P.GET, g.number, period, 0, period) for g in master.wiring.looked_up[component]),
+            *(row(code(g), g.number, period, 0, period) for g in master.wiring.inputs[component])]
 
 
 def step(component: int, period: int = 1) -> Row:
@@ -141,7 +145,7 @@ class Fixed(Even):
     """An algorithm with the same program on every tick. A discarded step ends the run: no step is taken back."""
 
     def __init__(self, master: Master, experiment: Experiment):
-        self.master, self.experiment, self.ticks = master, experiment, 0
+        self.master, self.experiment, self.ticks = master, experiment, experiment.first
         self.ops = P.program(self.rows(experiment.decimate))
         self.last_ops = P.program(self.rows(1))  # the last tick is recorded whatever its number
 
@@ -153,7 +157,7 @@ class Fixed(Even):
         """Take at most `most` steps. Raises RunError if an FMU refuses one, Ended if one ends the simulation."""
         experiment = self.experiment
         odd = experiment.ticks % experiment.decimate != 0
-        count = min(most, experiment.ticks - self.ticks - odd)
+        count = max(0, min(most, experiment.ticks - self.ticks - odd))
         ops, decimate = self.ops, experiment.decimate
         if count == 0:
             ops, count, decimate = self.last_ops, 1, 1

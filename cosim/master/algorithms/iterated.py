@@ -27,7 +27,7 @@ class Iterated(Even):
     OPTIONS: ClassVar[Options] = {**HOLD, "tolerance": (1e-10, positive), "passes": (50, whole)}
 
     def __init__(self, master: Master, options: dict[str, Any], experiment: Experiment):
-        self.master, self.experiment, self.ticks = master, experiment, 0
+        self.master, self.experiment, self.ticks = master, experiment, experiment.first
         self.tolerance, self.passes, hold = options["tolerance"], options["passes"], options["hold"]
         self.blocks: list[tuple[np.ndarray, np.ndarray | None, np.ndarray]] = []  # first pass, further ones, slots
         w = master.wiring
