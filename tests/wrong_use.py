@@ -153,6 +153,32 @@ def scenario_file(r: random.Random, folder: Path) -> list[str]:
     return [r.choice(["run", "run", "info"]), str(file)]
 
 
+def system_file(r: random.Random, folder: Path) -> list[str]:
+    """A simulation of a system file."""
+    file = folder / "own.yaml"
+    plant, scenario = (str(fmu_path("native", name)) for name in ("AhvPlant", "AhvScenario"))
+    file.write_bytes(yaml_text(r, {
+        "name": "own", "components": {"plant": {"fmu": plant, "set": {"mass": 300.0}}, "scenario": scenario},
+        "connections": ["scenario.scale_lift -> plant.scale_lift", ["scenario.scale_drag", "plant.scale_drag"],
+                        {"from": "scenario.scale_moment", "to": "plant.scale_moment", "factor": 1.0, "offset": 0.0}],
+        "parameters": {"plant.V_start": 7700.0},
+        "experiment": {"start": 0, "stop": 0.02, "step": 0.01, "algorithm": "jacobi", "tolerance": 1e-6}}))
+    return ["simulate", str(file), "--out", str(folder / "set")]
+
+
+def table(r: random.Random, folder: Path) -> list[str]:
+    """A simulation of one FMU with a table of inputs."""
+    file = folder / r.choice(["own.csv", "own.csv", "own.csv", "own.parquet"])
+    lines = [["time", "fuel_ratio", "elevator"], *([str(0.01 * i), "0.3", "0.1"] for i in range(3))]
+    for _ in range(r.randrange(1, 3)):
+        line = r.choice(lines)
+        line[r.randrange(len(line))] = r.choice(r.choice([NUMBERS, WORDS, VARIABLES]))
+    data = "\n".join(map(",".join, lines)).encode("utf-8", "surrogatepass")
+    file.write_bytes(data if r.random() < 0.9 else r.randbytes(100) + data)
+    return ["simulate", str(fmu_path("native", "AhvPlant")), "--input", str(file), "--stop", "0.02", "--step", "0.01",
+            "--out", str(folder / "set")]
+
+
 def distribution(r: random.Random) -> dict:
     """A distribution that may not be possible: mostly of numbers, so that the later checks are reached."""
     numbers = [0.0, 1.0, -1.0, 1e308, -1e308, 5e-324, 1e-300, 1e9, 0.5, 2.0, 100.0, 40.0, -40.0, 300.0, 320.0, 4.5]
@@ -263,7 +289,7 @@ KINDS = {"command lines": (command_line, 600), "values with units": (setting, 25
          "scenario files": (scenario_file, 300), "campaign files": (campaign_file, 400),
          "expressions": (expression, 300),
          "descriptions": (description, 150),
-         "systems": (structure, 100)}
+         "systems": (structure, 100), "system files": (system_file, 200), "tables": (table, 150)}
 
 
 def drawn(kind: str, k: int, folder: Path) -> Bad:

@@ -20,13 +20,16 @@ VARIABLES = ["plant.mass", "plant.V_start", "plant.theta_start", "plant.start_at
              "plant.", ".x", "plant.mass.mass", "controller.fuel_ratio_min", "controller.fuel_ratio_max"]
 COMMANDS = {  # command -> its arguments, its options: name -> what is drawn
     "run": (["hold", "--stop", "0.02"], ["--controller", "--preset", "--flavour", "--plant", "--step#", "--stop#",
-            "--algorithm", "--uncertainty#", "--real-time#", "--time-limit#", "--set", "--decimate#", "--out"]),
+            "--algorithm", "--uncertainty#", "--real-time#", "--time-limit#", "--set", "--record", "--decimate#",
+            "--out"]),
     "compare": (["nowhere"], ["--controller", "--flavour", "--plant", "--step#", "--stop#", "--out"]),
     "info": ([], ["!"]),
     "trim": ([], ["--V#", "--h#", "--flavour"]),
     "linearize": (["--controller", "nobody"], ["--V#", "--h#", "--controller", "--preset", "--plant", "--scale#",
                                                "--step#", "--set"]),
-    "simulate": (["nothing.ssp"], ["!", "--step#", "--stop#", "--algorithm", "--out", "--time-limit#"]),
+    "simulate": (["nothing.ssp"], ["!", "--step#", "--start#", "--stop#", "--tolerance#", "--algorithm", "--set",
+                                   "--input", "--record", "--decimate#", "--save", "--restore", "--out",
+                                   "--time-limit#"]),
     "container": (["hold", "--out", "out.fmu"], ["!", "--connector", "--controller", "--preset", "--flavour", "--plant",
                                                  "--step#", "--uncertainty#", "--set", "--out"]),
     "ssp": (["hold", "--out", "out.ssp"], ["--controller", "--preset", "--flavour", "--plant", "--step#",

@@ -43,12 +43,14 @@ def values_now(numbers: Any, columns: Any, values: Any) -> None:
 
 @cfunc(SIGNATURE, cache=True)
 def real(numbers: Any, columns: Any, count: Any, buffer: Any, _: Any) -> Any:
+    """As the loops call fmi2GetReal: doubles into `buffer`."""
     values_now(numbers, carray(columns, count), carray(buffer, count))
     return 0
 
 
 @cfunc(SIGNATURE, cache=True)
 def whole(numbers: Any, columns: Any, count: Any, buffer: Any, _: Any) -> Any:
+    """The same with 64-bit integers."""
     values = np.empty(count)
     values_now(numbers, carray(columns, count), values)
     wholes = carray(buffer, count).view(np.int64)

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?+)\s*([^\d\s.+-].*?)\s*")
 BASE = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
-SIGNS = str.maketrans({"²": "2", "³": "3", "⁻": "-", "¹": "1", "µ": "u", "μ": "u", "Ω": "Ohm", "Ω": "Ohm", "°": "deg"})
+SIGNS = str.maketrans({"²": "2", "³": "3", "⁻": "-", "¹": "1", "µ": "u", "μ": "u", "Ω": "Ohm", "°": "deg"})
 ROUNDING = 1e-9  # definitions that differ by less, relatively, are the same unit, written with fewer digits
 
 

@@ -27,8 +27,8 @@ def in_words_of_1(root: Node) -> Node:
         elif name == "Connector":
             node.set("kind", KINDS.get(node.get("kind"), node.get("kind", "")))
         elif name == "Connection" and (node.get("startIndices") or node.get("endIndices")):
-            raise UsageError(f"The connection from {end(node, 'start')} to {end(node, 'end')} chooses elements of arrays "
-                             f"by indices, which is not supported; whole arrays and elements such as x[1] are.")
+            raise UsageError(f"The connection from {end(node, 'start')} to {end(node, 'end')} chooses elements of "
+                             f"arrays by indices, which is not supported; whole arrays and elements such as x[1] are.")
         elif name == "Clock":
             raise UsageError(f"{node.getparent().get('name')} has a Clock, which is not supported.")
     for node in [n for n in root.iter() if isinstance(n.tag, str)]:
@@ -36,9 +36,7 @@ def in_words_of_1(root: Node) -> Node:
             expand(node)
     for node in [n for n in root.iter() if isinstance(n.tag, str) and local(n) in SILENT]:
         node.getparent().remove(node)
-    for node in root.iter():
-        if isinstance(node.tag, str) and str(node.get("version", "")).startswith("2."):
-            node.set("version", "1.0")
+    root.set("version", "1.0")
     return root
 
 

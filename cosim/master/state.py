@@ -13,7 +13,6 @@ from ..errors import UsageError
 from .algorithms import Method
 from .algorithms.base import Even
 from .loaded import Master
-from .program import CHANGED
 from .whole_file import whole
 
 KIND = "state of a flight of ahv 1"  # the version of the file
@@ -55,11 +54,12 @@ class State:
         mine = fingerprints(master)
         for name in {**self.components, **mine}:
             if self.components.get(name) != mine.get(name):
-                raise UsageError(f"{name} is not the same FMU in the system and in {self.path}: a flight goes on with the "
-                                 f"FMUs with which it began.")
+                raise UsageError(f"{name} is not the same FMU in the system and in {self.path}: a flight goes on with "
+                                 f"the FMUs with which it began.")
         w, arrays = master.wiring, self.arrays
         for i, instance in enumerate(master.instances):
             instance.restore(arrays[f"fmu_{i}"].tobytes())
+        w.begin(master.instances)        # inputs of event mode are as the FMUs have them
         w.clock[:] = arrays["clock"]
         master.read_all(self.time)       # of what this flight records and the other did not
         w.before[:] = w.signals
@@ -68,7 +68,6 @@ class State:
         there = [saved[w.slots[s]] for s in here]
         for place, name in ((w.signals, "signals"), (w.exact, "exact"), (w.before, "before")):
             place[here] = arrays[name][there]
-        w.events[:, CHANGED] = w.offers  # the FMU has the inputs of that time
 
 
 def fingerprints(master: Master) -> dict[str, str]:

@@ -91,9 +91,9 @@ def read_table(path: str | PathLike[str]) -> Table:
             raise UsageError(f"{path} is too large: a table has at most {LARGEST >> 20} MB.")
         found = (pyarrow.parquet.read_table(path.absolute()) if path.suffix.lower() == ".parquet" else
                  pyarrow.csv.read_csv(path.absolute()))
+        names = [name.strip() for name in found.column_names]
     except (pa.ArrowException, ValueError, OSError) as error:
         raise UsageError(f"{path} cannot be read as a table: {' '.join(str(error).split()).rstrip('.')}.") from None
-    names = [name.strip() for name in found.column_names]
     for name in names:
         if names.count(name) > 1:
             raise UsageError(f"{path} has two columns called {name}.")

@@ -67,4 +67,5 @@ def load_fmu(path: Path) -> Loaded:
         step = step or number((file.description.co_simulation or {}).get("fixedInternalStepSize"))
         name = names.safe(path.stem).replace(".", "_")
         system = System([Component(name, path)], (), step or None, stop, start or 0.0)
-        return Loaded(path, names.safe(path.stem), system, {name: str(path)}, tolerance=tolerance or None, alone=name, variables=list(file.variables))
+        return Loaded(path, names.safe(path.stem), system, {name: str(path)}, tolerance=tolerance or None, alone=name,
+                      variables=list(file.variables))

@@ -143,6 +143,8 @@ def read_system(path: Path) -> Read:
     Raises UsageError with file, line and field for what is wrong with the file or does not fit the FMUs.
     """
     source = Source(path, "system file")
+    if not isinstance(source.data, dict):
+        source.fail((), f"a system file has fields such as components, not {source.data!r}")
     spec = source.load(SystemFile)
     with ExitStack() as stack:
         files, components = {}, []
@@ -166,7 +168,7 @@ def read_system(path: Path) -> Read:
             method(run.algorithm)
     with source.at("experiment", "stop"):
         if run.stop is not None and (run.step is not None or run.stop <= run.start):
-            tick_count(run.stop - run.start if run.step is None else run.step, run.stop, run.start)
+            tick_count(run.step or 1.0, run.stop, run.start)
     system = System(components, links, run.step, run.stop, run.start)
     return Read(spec.name or names.safe(path.stem), system, run.algorithm, run.tolerance, remarks)
 

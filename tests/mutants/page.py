@@ -1,4 +1,5 @@
 """docs/mutants.md: what `make mutants` found, room by room."""
+import subprocess
 from collections import Counter
 from pathlib import Path
 
@@ -19,7 +20,8 @@ where some first trials ran only those tests that look at the mutated function. 
 not finished: `make mutants` goes on there. `tests/mutants/rooms.py` names the files and the tests of each room,
 `tests/mutants/points.py` the changes.
 
-This page is written by `.venv/bin/python tests/mutants --table`.
+This page is written by `.venv/bin/python tests/mutants --table`, at commit {commit}. Trials of lines that have changed
+since do not count in a new table, and mutants of new lines are drawn.
 """
 
 
@@ -48,7 +50,10 @@ def write_table(root: Path, samples: dict[str, tuple[list[Mutant], int]], known:
         rows.append((room, found))
         left += [mutant for mutant in tried if not known[mutant.key][-1]["killed"]]
         excused += judged
-    lines = [HEAD, "| room | possible | drawn | tried | equivalent | killed | survived | before | share |",
+    words = ["git", "rev-parse", "--short", "HEAD"]
+    commit = subprocess.run(words, cwd=root, capture_output=True, text=True, check=True).stdout.strip()
+    lines = [HEAD.replace("{commit}", commit),
+             "| room | possible | drawn | tried | equivalent | killed | survived | before | share |",
              "|---|---|---|---|---|---|---|---|---|"]
     for room, n in [*rows, ("all", total)]:
         counted = n["tried"] - n["judged"]

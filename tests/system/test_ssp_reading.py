@@ -287,7 +287,8 @@ def test_a_system_flies_with_its_conversions(tmp_path):
     path = write(tmp_path / "test.ssp", description)
     found = json.loads(ahv("simulate", path, "--step", 0.25, "--out", tmp_path / "out", "--json"))
     assert found == {"system": "test", "components": ["a", "b"], "algorithm": "gauss-seidel", "step_s": 0.25,
-                     "stop_s": 1.0, "ticks": 4, "finished": True, "departed_at_s": None, "ended_at_s": None,
+                     "stop_s": 1.0, "start_s": 0.0, "ticks": 4, "finished": True, "departed_at_s": None,
+                     "ended_at_s": None,
                      "real_time_factor": found["real_time_factor"], "out": str(tmp_path / "out")}
     table = pyarrow.parquet.read_table(tmp_path / "out" / "signals.parquet")
     assert table["a.y"].to_pylist() == [0, 6, 6, 6, 6]
@@ -406,8 +407,8 @@ def test_a_step_that_nobody_gives_is_that_of_run_and_told(tmp_path):
 
 
 def test_a_later_ssp_version_is_refused_by_name(read):
-    with pytest.raises(UsageError, match=r"is an SSP 2.0 system structure description; SSP 1.0 is what runs here"):
-        read(ssd(system("root", component("a")), version="2.0"))
+    with pytest.raises(UsageError, match=r"is an SSP 3.0 system structure description; SSP 1.0 and 2.0 are what runs"):
+        read(ssd(system("root", component("a")), version="3.0"))
 
 
 def test_a_parameter_that_fits_nothing_is_told_and_the_summary_is_of_what_flew(tmp_path):

@@ -39,6 +39,9 @@ class Variable:
             if not instance.claims("canHandleVariableCommunicationStepSize"):
                 raise UsageError(f"--algorithm variable needs steps of any length, and {instance.name} does not claim "
                                  f"canHandleVariableCommunicationStepSize.")
+        if master.inputs:
+            raise UsageError("--algorithm variable takes no inputs from a table: its steps would be chosen without "
+                             "them.")
         self.master, self.experiment, self.ticks = master, experiment, 0
         self.time, self.step = experiment.start, experiment.step
         self.tolerance, hold = options["tolerance"], options["hold"]
