@@ -60,8 +60,12 @@ class Command:
     def end(self, number: int) -> tuple[int, str]:
         """Send the signal; the exit status, and what was said on stderr."""
         self.process.send_signal(number)
-        _, said = self.process.communicate(timeout=LIMIT_S)
+        self.answer, said = self.process.communicate(timeout=LIMIT_S)
         return self.process.returncode, said
+
+    def had_answered(self) -> bool:
+        """Whether the work was done when the signal came: the one JSON object is on stdout."""
+        return self.process.returncode in (0, 1) and isinstance(json.loads(self.answer), dict)
 
     def alive(self) -> list[str]:
         """The command lines of tagged processes, as soon as there are none or after LIMIT_S."""
@@ -120,10 +124,9 @@ def interrupted_at(moment: float, number: int, words, folder: Path) -> None:
     """Start a command, send it a signal after `moment` seconds, and look at what is left."""
     command = Command(folder, *words)
     time.sleep(moment)
-    gone = command.process.poll() is not None
     status, said = command.end(number)
     early = "init_import_site" in said  # before Python itself had begun
-    assert status in ENDS[number] or (gone and status in (0, 1)) or early, (status, said)
+    assert status in ENDS[number] or early or command.had_answered(), (status, said)
     assert "Traceback" not in said or status == -number or early, said
     assert command.alive() == []
     if number != signal.SIGKILL:
