@@ -55,7 +55,6 @@ class Store:
         self.folder, self.plan, self.schemas = folder, plan, schemas(plan)
         self.parts, self.head, self.receipt = folder / "parts", folder / "campaign.json", folder / "receipt.json"
         self.mark = self.parts / ".campaign"  # only in a folder with this file is anything removed
-        self.work = self.parts / "work"       # files of the cluster on this machine
         self.done: dict[int, Receipt] = {}    # of each task that is complete, by its first run
         self.complete = False                 # all tables are there
 
@@ -98,7 +97,7 @@ class Store:
     def clear_parts(self) -> None:
         """Remove from parts/ what a campaign wrote there, and the folder if nothing is left."""
         if self.mark.exists():
-            shutil.rmtree(self.work, ignore_errors=True)
+            shutil.rmtree(self.parts / "work", ignore_errors=True)  # earlier versions left it there when killed
             for path in self.parts.iterdir():
                 if OURS.fullmatch(path.name):
                     path.unlink()
