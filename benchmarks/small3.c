@@ -310,6 +310,24 @@ fmi3Status fmi3SetFMUState(fmi3Instance c, fmi3FMUState state)
     memcpy(&((Instance *)c)->s, state, sizeof(State));
     return fmi3OK;
 }
+fmi3Status fmi3SerializedFMUStateSize(fmi3Instance c, fmi3FMUState state, size_t *size)
+{
+    *size = sizeof(State);
+    return fmi3OK;
+}
+fmi3Status fmi3SerializeFMUState(fmi3Instance c, fmi3FMUState state, fmi3Byte bytes[], size_t size)
+{
+    memcpy(bytes, state, size);
+    return fmi3OK;
+}
+fmi3Status fmi3DeserializeFMUState(fmi3Instance c, const fmi3Byte bytes[], size_t size, fmi3FMUState *state)
+{
+    if (size != sizeof(State))
+        return say(c, fmi3Error, "not a state of mine");
+    *state = malloc(size);
+    memcpy(*state, bytes, size);
+    return fmi3OK;
+}
 fmi3Status fmi3FreeFMUState(fmi3Instance c, fmi3FMUState *state)
 {
     free(*state);

@@ -59,8 +59,9 @@ def describe(identifier: str, events: bool, states: bool, clock: str, more: str)
               **{31 + 2 * i: str(30 + 2 * i) for i in range(len(TYPES))}}
     structure = "".join(f'<{tag} valueReference="{out}" dependencies="{inputs}"/>'
                         for tag in ("Output", "InitialUnknown") for out, inputs in behind.items())
-    claims = [*(["hasEventMode", "mightReturnEarlyFromDoStep"] if events else []),
-              *(["canGetAndSetFMUState"] if states else []), "canHandleVariableCommunicationStepSize"]
+    claims = ["canHandleVariableCommunicationStepSize"]
+    claims += ["hasEventMode", "mightReturnEarlyFromDoStep"] if events else []
+    claims += ["canGetAndSetFMUState", "canSerializeFMUState"] if states else []
     return (f'<?xml version="1.0" encoding="UTF-8"?>\n<fmiModelDescription fmiVersion="3.0" modelName="{identifier}" '
             f'instantiationToken="{{{identifier}}}"><CoSimulation modelIdentifier="small3" '
             f'{"".join(TRUE.format(claim) for claim in claims)}/><UnitDefinitions><Unit name="m"><BaseUnit m="1"/>'

@@ -21,7 +21,8 @@ def fly(system: System, step: float | None = None, stop: float | None = None, *,
         tolerance: float | None = None, algorithm: str = "gauss-seidel",
         record: Sequence[str] | None = None, decimate: int = 1, progress: "bool | Progress" = True,
         isolate: bool = False, time_limit: float | None = None, real_time: float | None = None,
-        stream: str | PathLike[str] | None = None, plain: bool = False,
+        stream: str | PathLike[str] | None = None, save: str | PathLike[str] | None = None,
+        restore: str | PathLike[str] | None = None, plain: bool = False,
         inputs: str | PathLike[str] | None = None) -> "Flight":
     """Fly `system` from `start` to `stop` (s) in communication steps of `step` (s); by default what its file suggests.
 
@@ -36,6 +37,8 @@ def fly(system: System, step: float | None = None, stop: float | None = None, *,
     real_time   pace the flight, this many simulated seconds a second
     stream      write all signals to this Parquet file, or Arrow stream (.arrows), as it flies; the result keeps a part
                 of the rows
+    save        write the state of the flight at its stop to this file; all FMUs must be able to write down theirs
+    restore     go on from a state that was saved in this file, with its values and in its steps
     plain       tick in plain Python, not in compiled code
     inputs      a CSV or Parquet file of inputs over time: a column `time` (s), and one for each input
 
@@ -46,10 +49,14 @@ def fly(system: System, step: float | None = None, stop: float | None = None, *,
     Raises UsageError before anything flies if the system or an argument does not fit, and RunError if the FMUs
     cannot be started.
     """
+    from .master.state import read_state
+
     demand(isinstance(system, System), "system", system, "a cosim.System")
     step = given("step", step, system.step)
     stop = given("stop", stop, system.stop, signed=True)
-    start = given("start", start, system.start, signed=True)
+    demand(start is None or restore is None, "start", start, "left out with restore, which says where it goes on")
+    state = None if restore is None else read_state(as_path(restore))
+    start = given("start", start, state.time if state else system.start, signed=True)
     demand(stop > start, "stop", stop, f"a number of seconds after the start at {start:g} s")
     for name, value in (("tolerance", tolerance), ("time_limit", time_limit), ("real_time", real_time)):
         if value is not None:
@@ -72,6 +79,7 @@ def fly(system: System, step: float | None = None, stop: float | None = None, *,
     options: dict[str, Any] = {"start": start, "tolerance": tolerance,
                                "record": None if record is None else list(record), "decimate": decimate,
                                "real_time": real_time, "plain": plain, "stream": file,
+                               "save": None if save is None else as_path(save).absolute(), "restore": state,
                                "inputs": None if inputs is None else read_table(inputs)}
     try:
         with bar or nullcontext():

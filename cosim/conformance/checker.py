@@ -12,8 +12,6 @@ from .report import EVERYTHING, Finding, Report
 from .rule import DOES_NOT_LOAD, REFUSED, RULES, STATIC_CHECKS
 from .subject import Fault, Fmu
 
-HERE = f"binaries/{dynamic.host_platform()}"
-
 
 def check(path: Path, run_probes: bool, limits: Limits, cycles: int) -> Report:
     """See `cosim.conformance.check`."""
@@ -31,6 +29,7 @@ def check(path: Path, run_probes: bool, limits: Limits, cycles: int) -> Report:
             folder = work / "fmu"
             folder.mkdir()
             fmu = read(report.fmu, folder, safe_extract(report.fmu, folder))
+            report.fmi_version = fmu.version.name
             report.tool = fmu.description.attributes.get("generationTool", "")
         except BadArchive as problem:
             report.add(problem.rule, Fault(report.fmu.name, str(problem), "an FMU that can be unpacked"))
@@ -50,13 +49,18 @@ def check_static(fmu: Fmu, report: Report) -> None:
     for name, find in STATIC_CHECKS.items():
         if report.fmi_version in RULES[name].sections:
             for fault in find(fmu):
-                report.add(name, fault, impact=REFUSED if is_foreign(name, fault) else None)
+                report.add(name, fault, impact=REFUSED if is_foreign(name, fault, fmu) else None)
 
 
-def is_foreign(rule: str, fault: Fault) -> bool:
+def is_foreign(rule: str, fault: Fault, fmu: Fmu) -> bool:
     """Whether a fault is in a binary of another platform, which is nothing to this machine."""
     of_binary = rule.startswith("binary.") and fault.variable.startswith("binaries/")
-    return of_binary and RULES[rule].impact == DOES_NOT_LOAD and fault.variable != HERE
+    return of_binary and RULES[rule].impact == DOES_NOT_LOAD and fault.variable != here(fmu)
+
+
+def here(fmu: Fmu) -> str:
+    """The folder of the binary for this machine, as findings name it."""
+    return f"binaries/{fmu.version.host}"
 
 
 def check_dynamic(fmu: Fmu, report: Report, work: Path, run_probes: bool, limits: Limits, cycles: int) -> None:
@@ -65,13 +69,13 @@ def check_dynamic(fmu: Fmu, report: Report, work: Path, run_probes: bool, limits
         report.skip(EVERYTHING, "not asked for")
     elif fmu.description.co_simulation is None:
         report.skip(EVERYTHING, "the FMU is not for co-simulation")
-    elif any(prevents_running(finding) for finding in report.findings):
+    elif any(prevents_running(finding, fmu) for finding in report.findings):
         report.skip(EVERYTHING, "the description or the binary is too broken to run the FMU by it")
     else:
         dynamic.run(fmu, report, work, limits, cycles)
 
 
-def prevents_running(finding: Finding) -> bool:
-    """Whether the FMU cannot be run because of this finding."""
-    is_broken = finding.rule in ("binary.format", "binary.exports") and finding.variable == HERE
-    return is_broken or finding.rule == "xml.schema"
+def prevents_running(finding: Finding, fmu: Fmu) -> bool:
+    """Whether the FMU cannot be run because of this finding. Annotations are nothing to those who run it."""
+    is_broken = finding.rule in ("binary.format", "binary.exports") and finding.variable == here(fmu)
+    return is_broken or (finding.rule == "xml.schema" and "'Annotation" not in finding.found)

@@ -5,11 +5,12 @@ names the probe, the mark names the call, and a new child runs the remaining pro
 """
 import contextlib
 import json
+import os
 import platform
-import sys
 import time
 from collections import Counter
 from dataclasses import replace
+from math import prod
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +22,7 @@ from .job import Job, Known
 from .probes.registry import FLYING, PROBES
 from .report import EVERYTHING, Finding, Report
 from .rule import ERROR, FORMAL, REFUSED, RULES, WARNING
+from .rules.structure import is_clocked
 from .subject import Fault, Fmu
 
 POLL_S = 0.05
@@ -35,17 +37,16 @@ FATAL_RULES = {"dynamic.load": "the FMU cannot be loaded", "dynamic.hang": "the 
                "dynamic.limits": "the FMU passed a limit"}
 ONCE = ("dynamic.fatal", "dynamic.log-refusal")  # an FMU that does so does so for any call
 IMPLIED = {"dynamic.nonfinite-reset": "dynamic.reset-replay"}  # what says nothing more where another is broken
+WITH_CLOCKS = ("load", "free-null", "guid", "event-mode")  # the probes of an FMU with clocks, which nobody ticks
+MOST_ELEMENTS = 10_000  # of an array that is read and set
 LATE = ("memory", "memory-steps")  # what takes many lives
-FLAGS = ("canHandleVariableCommunicationStepSize", "canInterpolateInputs", "canRunAsynchronuously",
-         "needsExecutionTool", "canBeInstantiatedOnlyOncePerProcess", "canGetAndSetFMUstate", "canSerializeFMUstate",
-         "providesDirectionalDerivative")
 
 
 def run(fmu: Fmu, report: Report, work: Path, limits: Limits, cycles: int) -> None:
     """Run all probes on the FMU and note what they find."""
     library = host_library(fmu)
     if library is None:
-        report.skip(EVERYTHING, f"no binary for this platform (binaries/{host_platform()})")
+        report.skip(EVERYTHING, f"no binary for this platform (binaries/{fmu.version.host})")
         return
     report.sandbox = sandbox() or "none"
     run_probes(make_job(fmu, library, limits.call_s, cycles), report, work, limits)
@@ -97,17 +98,12 @@ def ends_the_check(finding: Finding) -> bool:
     return always or (finding.rule == "dynamic.hang" and finding.severity == ERROR)
 
 
-def host_platform() -> str:
-    """The name of the folder below binaries/ that holds this machine's library (2.3)."""
-    system = {"Windows": "win", "Darwin": "darwin"}.get(platform.system(), "linux")
-    return f"{system}{'64' if sys.maxsize > 2**32 else '32'}"
-
-
 def host_library(fmu: Fmu) -> Path | None:
     """The FMU's shared library for this machine, or None."""
-    suffix = {"win": ".dll", "dar": ".dylib"}.get(host_platform()[:3], ".so")
-    is_foreign = host_platform() == "linux64" and platform.machine() not in ("x86_64", "AMD64")
-    return None if is_foreign else fmu.library(host_platform(), suffix)
+    host = fmu.version.host
+    is_foreign = host == "linux64" and platform.machine() not in ("x86_64", "AMD64")
+    suffix = fmu.version.platforms.get(host, (".so",))[0]
+    return None if is_foreign else fmu.library(host, suffix)
 
 
 def make_job(fmu: Fmu, library: Path, time_limit: float, cycles: int) -> Job:
@@ -117,16 +113,22 @@ def make_job(fmu: Fmu, library: Path, time_limit: float, cycles: int) -> Job:
     has_step = bool(step and step > 0)
     if not step or step <= 0:
         step = (stop - start) / 100 if stop is not None and stop > start else 0.01
+    fixed = number((fmu.description.co_simulation or {}).get("fixedInternalStepSize")) or 0.0
+    if fixed > 0:  # FMI 3.0: steps should be multiples of it
+        step = fixed * max(1, round(step / fixed))
     tolerance = given.get("tolerance") or 0.0
     has_tolerance = 0 < tolerance < 1
     fitting = int((stop - start) / step + 1e-9) if stop is not None and stop > start else STEPS
     steps = max(2, min(STEPS, fitting))  # not beyond the default stop time
-    claims = {flag: 1 for flag in FLAGS if fmu.description.claims(flag)}
+    claims = {flag: 1 for flag in fmu.version.flags if fmu.description.claims(flag)}
+    resources = fmu.folder / "resources"
+    variables = [known_variable(v, v.causality == "output" or v.index in fmu.description.states, fmu.description.flat)
+                 for v in fmu.description.variables if v.type and v.reference is not None and not is_clocked(v)]
     order = integer((fmu.description.co_simulation or {}).get("maxOutputDerivativeOrder")) or 0
     return Job(
         library=str(library),
-        guid=fmu.description.attributes.get("guid", ""),
-        resources=(fmu.folder / "resources").as_uri(),
+        guid=fmu.description.attributes.get(fmu.version.token, ""),
+        resources=f"{resources}{os.sep}" if fmu.description.flat else resources.as_uri(),
         start=start,
         stop=stop,
         step=step,
@@ -135,39 +137,65 @@ def make_job(fmu: Fmu, library: Path, time_limit: float, cycles: int) -> Job:
         has_tolerance=has_tolerance,
         claims=claims | ({"maxOutputDerivativeOrder": order} if order else {}),
         categories=[c.get("name", "") for c in fmu.description.root.iterfind("LogCategories/Category")],
-        variables=[known_variable(v, v.causality == "output" or v.index in fmu.description.states)
-                   for v in fmu.description.variables if v.type and v.reference is not None],
-        probes=sorted(PROBES, key=lambda name: (not PROBES[name].legal, name in LATE)),  # wrong use comes last
+        variables=[v for v in variables if (v.count or 1) <= MOST_ELEMENTS and v.count != 0],
+        probes=sorted(served(fmu), key=lambda name: (not PROBES[name].legal, name in LATE)),  # wrong use comes last
         steps=steps,
         cycles=cycles,
         patience=min(time_limit / 2, PATIENCE_S),
+        version=fmu.version.name,
+        clocks=clocks_of(fmu),
+        fixed_step=fixed,
         until=0.0,
     )
 
 
-def known_variable(v: Variable, counts: bool) -> Known:
+def served(fmu: Fmu) -> list[str]:
+    """The probes for the FMU's version, and for clocks where it has some."""
+    own = [name for name, one in PROBES.items() if fmu.version.name in one.versions]
+    return [name for name in own if name in WITH_CLOCKS] if clocks_of(fmu) else own
+
+
+def clocks_of(fmu: Fmu) -> str:
+    """Which clocks the FMU has: see `Job.clocks`."""
+    clocks = [v for v in fmu.description.variables if v.type == "Clock"]
+    timed = any(v.causality == "input" and v.resolved("intervalVariability") != "triggered" for v in clocks)
+    return "timed" if timed else "triggered" if clocks else ""
+
+
+def known_variable(v: Variable, counts: bool, is_flat: bool) -> Known:
     """The variable as the probes need it."""
-    start: float | int | str | None
-    if v.type == "Real":
-        start = number(v.start)
-    elif v.type == "Boolean":
-        start = None if v.start is None else int(v.start.strip() in ("true", "1"))
-    else:
-        start = v.start if v.type == "String" else integer(v.start)
+    count = None if v.shape is None else prod(v.shape)
+    texts = [v.start] if count is None else v.starts * count if len(v.starts) == 1 else v.starts
+    starts = [start_value(v, text) for text in texts]
+    if count is not None and len(starts) != count:
+        starts = []  # rule array.starts
     return Known(
         name=v.name,
         reference=v.reference or 0,
-        base=v.base,
+        base="Int64" if v.type == "Enumeration" and is_flat else v.base,
         causality=v.causality,
         variability=v.variability,
         initial=v.initial,
-        start=start,
+        start=starts[0] if starts else None,
         low=v.min,
         high=v.max,
         nominal=v.nominal,
         counts=counts,
         items=list(v.items.values()),
+        count=count,
+        starts=[] if count is None else starts,
     )
+
+
+def start_value(v: Variable, text: str | None) -> float | int | str | None:
+    """One start value as the probes need it."""
+    if v.family == "Real":
+        return number(text)
+    if v.type == "Boolean":
+        return None if text is None else int(text.strip() in ("true", "1"))
+    if v.type == "Binary":
+        return None if text is None else text.strip().lower()
+    return text if v.type == "String" else integer(text)
 
 
 def run_child(job: Job, report: Report, work: Path, limits: Limits, deadline: float) -> tuple[int, int, bool]:
@@ -276,7 +304,7 @@ def report_death(report: Report, job: Job, probe: str, death: str, call: str, li
         is_late = death.endswith("whole check")  # a slow FMU, or a slow machine
         report.add("dynamic.limits", Fault(call, found, "what the check's limits allow"), WARNING if is_late else None,
                    FORMAL if is_late else None)
-    elif death == "hang" and call == "fmi2DoStep" and not job.has_step and severity is None:
+    elif death == "hang" and call.endswith("DoStep") and not job.has_step and severity is None:
         report.skip(probe, f"slow: a step of {job.step:g} s did not end within {limits.call_s:g} s (the file names no "
                            "preferred step)")
         report.skip("the probes after that", "the FMU is slow")

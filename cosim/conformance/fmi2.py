@@ -90,13 +90,6 @@ def packed_references(references: Sequence[int]) -> Any:
     return (c_uint * len(references))(*references)
 
 
-def unpacked(base: str, packed: bytes | list[Value]) -> list[Value]:
-    """What `Instance.get_packed` gave, as values."""
-    if isinstance(packed, list):
-        return packed
-    return list((C_TYPES[base] * (len(packed) // ctypes.sizeof(C_TYPES[base]))).from_buffer_copy(packed))
-
-
 def formatter() -> Callable[[Any], object]:
     """What lets a C function fill in the numbers and names of messages: fmpy's, where it is there (ctypes cannot)."""
     folders = getattr(find_spec("fmpy"), "submodule_search_locations", None)
@@ -109,6 +102,9 @@ def formatter() -> Callable[[Any], object]:
 
 class Library:
     """A loaded shared library."""
+    prefix = "fmi2"
+    types = C_TYPES
+    signatures = SIGNATURES
 
     def __init__(self, file: Path, mark: Mark):
         self.mark = mark
@@ -139,10 +135,16 @@ class Library:
         if status != OK and message:
             self.words = " ".join(message.decode("utf-8", "replace").split())[:MOST_WORDS]
 
+    def unpacked(self, base: str, packed: bytes | list[Value]) -> list[Value]:
+        """What `Instance.get_packed` gave, as values."""
+        if isinstance(packed, list):
+            return packed
+        return list((self.types[base] * (len(packed) // ctypes.sizeof(self.types[base]))).from_buffer_copy(packed))
+
     def text(self, name: str) -> str:
-        """What fmi2GetVersion or fmi2GetTypesPlatform returns."""
-        self.mark.set(name)
-        function = getattr(self.dll, name)
+        """What fmi2GetVersion or fmi2GetTypesPlatform returns; `name` without the prefix."""
+        self.mark.set(f"{self.prefix}{name}")
+        function = getattr(self.dll, f"{self.prefix}{name}")
         function.restype = c_char_p
         return (function() or b"").decode("utf-8", "replace")
 
@@ -164,16 +166,16 @@ class Library:
 
     def free(self, component: int | None) -> None:
         """fmi2FreeInstance (2.1.5), also of a null pointer."""
-        self.mark.set("fmi2FreeInstance")
-        function = self.dll.fmi2FreeInstance
+        self.mark.set(f"{self.prefix}FreeInstance")
+        function = getattr(self.dll, f"{self.prefix}FreeInstance")
         function.restype, function.argtypes = None, (c_void_p,)
         function(component)
 
     def call(self, component: int, name: str, *arguments: Any) -> int:
-        """Call fmi2`name` for an instance; its status."""
-        self.mark.set(f"fmi2{name}")
-        function = getattr(self.dll, f"fmi2{name}")
-        function.restype, function.argtypes = c_int, (c_void_p, *SIGNATURES[name])
+        """Call the function `name`, without its prefix, for an instance; its status."""
+        self.mark.set(f"{self.prefix}{name}")
+        function = getattr(self.dll, f"{self.prefix}{name}")
+        function.restype, function.argtypes = c_int, (c_void_p, *self.signatures[name])
         status = int(function(component, *arguments))
         self.is_corrupt |= status == FATAL
         return status

@@ -1,12 +1,15 @@
-"""An unpacked FMU as the rules see it, and the careful reading of its modelDescription.xml (sections 2.2 and 2.3)."""
+"""An unpacked FMU as the rules see it, and the careful reading of its XML files."""
+import re
 from pathlib import Path
 
 from lxml import etree
 
-from ..errors import UsageError
 from ..master.description import Description
 from ..master.xml_file import NotXml, fmpy_folder, prolog, root_of
 from .subject import Fault, Fmu
+
+CHECKED = r"2\.0|3\.0(\.\d+)?"
+SCHEMAS = {False: "fmi2/fmi2ModelDescription.xsd", True: "fmi3/fmi3ModelDescription.xsd"}
 
 
 class Unusable(Exception):
@@ -19,10 +22,7 @@ class Unusable(Exception):
 
 
 def read(path: Path, folder: Path, members: list[str]) -> Fmu:
-    """The FMU at `path` that is unpacked in `folder`. Raises Unusable if its modelDescription.xml cannot be read.
-
-    Raises UsageError for FMI 3.0.
-    """
+    """The FMU at `path` that is unpacked in `folder`. Raises Unusable if its modelDescription.xml cannot be read."""
     xml = model_description(folder, members)
     encoding = declared_encoding(xml)
     try:
@@ -30,11 +30,10 @@ def read(path: Path, folder: Path, members: list[str]) -> Fmu:
     except NotXml as problem:
         raise Unusable("xml.well-formed", Fault("modelDescription.xml", str(problem), "well-formed XML")) from None
     version = root.get("fmiVersion")
-    if root.tag == "fmiModelDescription" and version is not None and version.strip() != "2.0":
-        if version.strip().startswith("3."):
-            raise UsageError(f"{path}: FMI 3.0 is not checked yet.")
-        raise Unusable("xml.fmi-version", Fault("fmiVersion", f"'{version}'", "'2.0'"))
-    return Fmu(path, folder, members, Description(root), encoding, schema_faults(root))
+    if root.tag == "fmiModelDescription" and version is not None and not re.fullmatch(CHECKED, version.strip()):
+        raise Unusable("xml.fmi-version", Fault("fmiVersion", f"'{version}'", "'2.0' or '3.0'"))
+    description = Description(root)
+    return Fmu(path, folder, members, description, encoding, schema_faults(root, SCHEMAS[description.flat]))
 
 
 def model_description(folder: Path, members: list[str]) -> bytes:
@@ -60,10 +59,23 @@ def declared_encoding(xml: bytes) -> str | None:
     return found.encoding
 
 
-def schema_faults(root: etree._Element) -> list[Fault]:
-    """What the schema fmi2ModelDescription.xsd, as fmpy ships it, objects to."""
-    file = fmpy_folder() / "schema" / "fmi2" / "fmi2ModelDescription.xsd"
+def schema_faults(root: etree._Element, name: str) -> list[Fault]:
+    """What one of the schemas of FMI, as fmpy ships them, objects to."""
+    file = fmpy_folder() / "schema" / name
     schema = etree.XMLSchema(etree.parse(str(file)))
     schema.validate(root)
-    return [Fault(f"line {entry.line}", entry.message, "what fmi2ModelDescription.xsd allows")
-            for entry in schema.error_log]
+    return [Fault(f"line {entry.line}", entry.message, f"what {file.name} allows") for entry in schema.error_log]
+
+
+def further_file(fmu: Fmu, name: str, schema: str) -> tuple[etree._Element | None, list[Fault]]:
+    """The root of another XML file of the FMU, None if it is not there or cannot be read, and what is wrong with it."""
+    file = fmu.folder / name
+    if not file.is_file():
+        return None, []
+    try:
+        xml = file.read_bytes()
+        declared_encoding(xml)
+        root = root_of(xml)
+    except (NotXml, Unusable) as problem:
+        return None, [Fault(name, str(problem), "well-formed XML without entities")]
+    return root, [Fault(f"{name}, {fault.variable}", *fault[1:]) for fault in schema_faults(root, schema)]

@@ -13,6 +13,7 @@ from ..errors import UsageError, did_you_mean
 from ..text import html_table, html_text, printable
 from .rule import DOES_NOT_LOAD, ERROR, FORMAL, IMPACTS, NOTE, RULES, SEVERITIES, WRONG_RESULTS
 from .subject import Fault
+from .versions import spoken
 
 MOST_ROWS = 100
 COLOURS = {"error": "bold red", "warning": "yellow", "note": "dim"}
@@ -75,9 +76,13 @@ class Report:
         """Note a breach of `rule`; a probe may state a milder `severity` and `impact` than the rule's own."""
         line = RULES[rule]
         variable, found, expected = map(printable, fault[:3])
+        if rule.startswith("dynamic."):
+            variable = spoken(variable, self.fmi_version)
+        found, expected = spoken(found, self.fmi_version), spoken(expected, self.fmi_version)
         known = next((text for pattern, text in line.tools.items() if re.search(pattern, self.tool)), "")
         self.findings.append(Finding(rule, line.sections[self.fmi_version], severity or line.severity, variable, found,
-                                     expected, impact or fault.impact or line.impact, line.says, line.group, known))
+                                     expected, impact or fault.impact or line.impact,
+                                     spoken(line.says, self.fmi_version), line.group, known))
 
     def merge(self, rule: str) -> None:
         """Make one finding of all findings of `rule`: the first, and how many more there are."""
@@ -88,7 +93,7 @@ class Report:
 
     def skip(self, what: str, why: str) -> None:
         """Note that `what` was not tested."""
-        self.not_tested.append(NotTested(what, printable(why)))
+        self.not_tested.append(NotTested(spoken(what, self.fmi_version), spoken(printable(why), self.fmi_version)))
 
     def ignore(self, rules: Iterable[str]) -> None:
         """Leave out the findings of some rules. Raises UsageError for a rule that there is not."""

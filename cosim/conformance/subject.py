@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from ..master.description import Description
+from .versions import VERSIONS, Version
 
 
 class Fault(NamedTuple):
@@ -28,8 +29,13 @@ class Fmu:
     schema_faults: list[Fault] = field(default_factory=list)
 
     @property
+    def version(self) -> Version:
+        """The version of FMI that it is judged by."""
+        return VERSIONS["3.0" if self.description.flat else "2.0"]
+
+    @property
     def identifier(self) -> str:
-        """modelIdentifier of the co-simulation interface (4.3.1), which also names the binaries."""
+        """modelIdentifier of the co-simulation interface, which also names the binaries."""
         return (self.description.co_simulation or {}).get("modelIdentifier", "")
 
     def library(self, platform: str, suffix: str) -> Path | None:

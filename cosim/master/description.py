@@ -19,7 +19,8 @@ from .xml_file import NotXml, root_of
 BASE_TYPES = ("Real", "Integer", "Boolean", "String", "Enumeration")
 LARGEST_ARRAY = 1_000_000  # elements
 UNKNOWNS = {"Outputs": "Output", "Derivatives": "ContinuousStateDerivative", "InitialUnknowns": "InitialUnknown"}
-CLAIMS = {"canGetAndSetFMUstate": "canGetAndSetFMUState", "canSerializeFMUstate": "canSerializeFMUState"}  # in FMI 3.0
+CLAIMS = {"canGetAndSetFMUstate": "canGetAndSetFMUState", "canSerializeFMUstate": "canSerializeFMUState",  # in FMI 3.0
+          "providesDirectionalDerivative": "providesDirectionalDerivatives"}
 
 
 class Description:

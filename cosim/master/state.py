@@ -13,7 +13,6 @@ from ..errors import RunError, UsageError
 from .algorithms import Method
 from .algorithms.base import Even
 from .loaded import Master
-from .program import CHANGED
 from .whole_file import whole
 
 if TYPE_CHECKING:
@@ -62,6 +61,7 @@ class State:
         w, arrays = master.wiring, self.arrays
         for i, instance in enumerate(master.instances):
             instance.restore(arrays[f"fmu_{i}"].tobytes())
+        w.begin(master.instances)        # inputs of event mode are as the FMUs have them
         w.clock[:] = arrays["clock"]
         master.read_all(self.time)       # of what this flight records and the other did not
         w.before[:] = w.signals
@@ -70,7 +70,6 @@ class State:
         there = [saved[w.slots[s]] for s in here]
         for place, name in ((w.signals, "signals"), (w.exact, "exact"), (w.before, "before")):
             place[here] = arrays[name][there]
-        w.events[:, CHANGED] = w.offers  # the FMU has the inputs of that time
 
 
 def fingerprints(master: Master) -> dict[str, str]:

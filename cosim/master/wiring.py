@@ -23,7 +23,7 @@ from .declared import Variable
 from .description import Description
 from .instance import Instance
 from .look_up import Place
-from .program import CHANGED, FLAGS, FLOAT, INT64, REAL, TEXT
+from .program import BUFFER, COUNT, FLAGS, FLOAT, INT64, REAL, REFERENCES, TEXT, VALUES
 from .system import Connection
 
 LONGEST_TEXT = 4096
@@ -103,9 +103,15 @@ class Wiring:
     held: list[tuple[int, str, int]] = field(default_factory=list)  # component, variable, slot that nothing changes
 
     def begin(self, instances: list[Instance]) -> None:
-        """Before the first tick: the values of slots that nothing changes, and no answers of a former run."""
+        """Before the first tick: the values of slots that nothing changes; inputs of event mode as the FMUs have them,
+        so that only a change is one; no answers of a former run. Raises RunError if an FMU refuses."""
         self.events[:] = 0
-        self.events[:, CHANGED] = self.offers
+        for group in self.every_group:
+            if group.in_events and group.kind != TEXT:
+                instance, row = instances[group.owner], self.groups[group.number].tolist()
+                call = f"{instance.standard.PREFIX}Get{group.suffix}"
+                instance.check(instance.call(call, ctypes.c_void_p(row[REFERENCES]), ctypes.c_size_t(row[COUNT]),
+                                             ctypes.c_void_p(row[BUFFER]), ctypes.c_size_t(row[VALUES])), call)
         for component, name, slot in self.held:
             value: Any = instances[component].held(name)
             if isinstance(value, str):

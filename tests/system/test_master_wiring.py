@@ -156,7 +156,8 @@ def test_jacobi_is_that_of_other_masters(build, tmp_path, master):
     system, names = small.pair(build()), ["left.y", "left.y2", "right.y", "right.y2"]
     write(tmp_path / "pair.ssp", "pair", system, 0.01, 5.0)
     script = Path(__file__).with_name("foreign.py")
-    subprocess.run([sys.executable, script, master, tmp_path / "pair.ssp", "0.01", "5", tmp_path / "out.npz", *names],
+    subprocess.run([sys.executable, script, master, tmp_path / "pair.ssp", "0.01", "5", tmp_path / "out.npz", "{}",
+                    *names],
                    check=True, timeout=60, capture_output=True, env=peers.environment())
     theirs, ours = np.load(tmp_path / "out.npz")["rows"], fly(system, 0.01, 5.0, "jacobi")
     assert theirs.shape == (501, 4)

@@ -1,2 +1,2 @@
 """All probes. Adding one: write it in the file of its subject; importing this package registers it."""
-from . import faults, life, memory, naive, state  # noqa: F401
+from . import faults, life, memory, modes, naive, state  # noqa: F401

@@ -5,7 +5,7 @@ call that fails raises `CallFailed`, which the child turns into a finding.
 """
 import json
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import cached_property
@@ -21,17 +21,17 @@ from ..fmi2 import (
     Mark,
     Value,
     packed_references,
-    unpacked,
 )
+from ..fmi3 import TYPES, Instance3, Library3
 from ..job import Job, Known
 from .compare import BITS, Column, Difference, worst_difference
-from .registry import CallFailed, NoInstance, status_name
+from .registry import CallFailed, EndedItself, NoInstance, status_name
 
 LONGEST_RUN_S = 2.0
 FEWEST_STEPS = 4
 ADDRESSES = (".base.lo", ".base.hi")  # how OSMP, of ASAM's OSI, hands over memory
 NOISE = 10.0  # a replay may differ by so many times what two fresh instances differ
-BASES = ("Real", "Integer", "Boolean", "String")
+BASES = {"2.0": ("Real", "Integer", "Boolean", "String"), "3.0": (*TYPES, "Binary")}
 
 
 Row = dict[str, bytes | list[Value]]  # by type, packed as the FMU gave it, which is compared quickly
@@ -49,7 +49,10 @@ class Bench:
     @cached_property
     def library(self) -> Library:
         """The loaded library. Raises OSError if it does not load."""
-        return Library(Path(self.job.library), self.mark)
+        if self.job.version == "2.0":
+            return Library(Path(self.job.library), self.mark)
+        counts = {v.reference: v.count for v in self.job.variables if v.count is not None}
+        return Library3(Path(self.job.library), self.mark, counts)
 
     # --- reporting ------------------------------------------------------------------------------------
 
@@ -97,6 +100,11 @@ class Bench:
         if status == DISCARD:
             self.check_discard(fmu, time, time + (size or self.job.step))
         self.expect(status, "fmi2DoStep", f"at time {time:g}")
+        if isinstance(fmu, Instance3):
+            for rule, found, expected in fmu.complaints():
+                self.fault(rule, "fmi2DoStep", found, expected)
+            if fmu.ends:
+                raise EndedItself(f"the FMU ended the simulation at time {fmu.until:g}")
 
     def check_discard(self, fmu: Instance, begin: float, end: float) -> None:
         """4.2.3: after a discarded step the master asks how far the FMU came."""
@@ -148,8 +156,13 @@ class Bench:
     @cached_property
     def groups(self) -> dict[str, list[Known]]:
         """What a trajectory holds, by type: one call each."""
-        found = {base: [v for v in self.recorded if v.base == base] for base in BASES}
+        found = {base: [v for v in self.recorded if v.base == base] for base in BASES[self.job.version]}
         return {base: group for base, group in found.items() if group}
+
+    @cached_property
+    def elements(self) -> dict[str, list[Known]]:
+        """The same, with arrays element by element."""
+        return {base: [one for v in group for one in v.elements()] for base, group in self.groups.items()}
 
     @cached_property
     def references(self) -> dict[str, Any]:
@@ -159,14 +172,15 @@ class Bench:
     def row(self, fmu: Instance) -> Row:
         """Read what a trajectory holds, one call per type."""
         read: Row = {}
-        for base, group in self.groups.items():
-            status, read[base] = fmu.get_packed(base, self.references[base], len(group))
+        for base in self.groups:
+            status, read[base] = fmu.get_packed(base, self.references[base], len(self.elements[base]))
             self.expect(status, f"fmi2Get{base}", "after a step")
         return read
 
     def values(self, row: Row) -> list[tuple[Known, Value]]:
         """The variables of a row with their values."""
-        return [pair for base, group in self.groups.items() for pair in zip(group, unpacked(base, row[base]))]
+        return [pair for base, group in self.elements.items()
+                for pair in zip(group, self.library.unpacked(base, row[base]))]
 
     def advance(self, fmu: Instance, first: int, last: int, excite: bool | None = None) -> list[Row]:
         """Steps number first to last-1, with the test's small movements of the inputs, and what they give."""
@@ -186,7 +200,7 @@ class Bench:
     def readings(self, fmu: Instance, variables: list[Known]) -> list[tuple[Known, Value]]:
         """Read variables one by one, leaving out what the FMU refuses (which the probe "read" reports)."""
         answers = [(v, fmu.get(v.base, [v.reference])) for v in variables if not self.library.is_corrupt]
-        return [(v, values[0]) for v, (status, values) in answers if status <= WARNING]
+        return [pair for v, (status, values) in answers if status <= WARNING for pair in zip(v.elements(), values)]
 
     def prepare(self) -> None:
         """Make the runs that others are compared with, before a probe has an instance of its own."""
@@ -231,12 +245,12 @@ class Bench:
     @cached_property
     def moving_inputs(self) -> list[Known]:
         """The inputs of type Real."""
-        return [v for v in self.job.variables if v.causality == "input" and v.base == "Real"]
+        return [v for v in self.job.variables if v.causality == "input" and v.is_real]
 
     def move_inputs(self, fmu: Instance, number: int) -> None:
         """Move every Real input by up to a hundredth of its scale around its start value, always in the same way."""
-        values = [moved(v, ((number * 7) % 5 - 2) / 2) for v in self.moving_inputs]
-        self.expect(fmu.set("Real", [v.reference for v in self.moving_inputs], values), "fmi2SetReal", "on the inputs")
+        status = set_all(fmu, self.moving_inputs, lambda v: moved(v, ((number * 7) % 5 - 2) / 2))
+        self.expect(status, "fmi2SetReal", "on the inputs")
 
     def difference(self, first: list[Row], second: list[Row], offset: int = 0) -> Difference | None:
         """Where two runs differ most; None if they are equal to the last bit. `offset` is the first row's step."""
@@ -247,10 +261,10 @@ class Bench:
 
     def columns(self, first: list[Row], second: list[Row]) -> Iterator[Column]:
         """Each variable with its values in two runs, where a value of its type differs."""
-        for base, group in self.groups.items():
+        for base, group in self.elements.items():
             one, two = ([row[base] for row in rows] for rows in (first, second))
             if one != two:
-                yield from zip(group, *(zip(*(unpacked(base, x) for x in rows)) for rows in (one, two)))
+                yield from zip(group, *(zip(*(self.library.unpacked(base, x) for x in rows)) for rows in (one, two)))
 
     def judge(self, rule: str, different: Difference | None, expected: str, where: str = "") -> bool:
         """Report a difference: a breach of `rule` beyond the tolerance, else a warning, or a note where it is rounding.
@@ -275,6 +289,15 @@ class Bench:
             found += ", but no output and no state differs by more than the tolerance explains"
             self.fault(rule, different.variable, found, expected, "warning", "formal")
         return True
+
+
+def set_all(fmu: Instance, variables: list[Known], value: Callable[[Known], Value]) -> int:
+    """Set variables, one call for each type, to the values that a function gives for each element; the worst status."""
+    worst = 0
+    for base in dict.fromkeys(v.base for v in variables):
+        group = [v for v in variables if v.base == base]
+        worst = max(worst, fmu.set(base, [v.reference for v in group], [value(e) for v in group for e in v.elements()]))
+    return worst
 
 
 def moved(v: Known, share: float) -> float:

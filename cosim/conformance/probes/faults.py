@@ -9,9 +9,9 @@ from functools import partial
 
 from ..fmi2 import ERROR, FATAL, WARNING, Instance, Value
 from ..job import Known
-from .bench import BASES, Bench, Row
+from .bench import BASES, Bench, Row, set_all
 from .life import may_set
-from .registry import probe, status_name
+from .registry import BOTH, probe, status_name
 
 
 @probe("guid", legal=False)
@@ -75,7 +75,7 @@ def set_up(bench: Bench, fmu: Instance) -> int:
     return fmu.setup(bench.job.start)
 
 
-# Section 4.2.4, the table of allowed calls: (what is called, in which state, how to get there, the call).
+# FMI 2.0, section 4.2.4, the table of allowed calls: (what is called, in which state, how to get there, the call).
 FORBIDDEN: tuple[tuple[str, str, Callable[[Bench, Instance], None], Callable[[Bench, Instance], int]], ...] = (
     ("fmi2DoStep", "instantiated", before_setup, do_step),
     ("fmi2ExitInitializationMode", "instantiated", before_setup, partial(plain, "ExitInitializationMode")),
@@ -85,6 +85,7 @@ FORBIDDEN: tuple[tuple[str, str, Callable[[Bench, Instance], None], Callable[[Be
     ("fmi2SetupExperiment", "step complete", stepping, set_up),
     ("fmi2EnterInitializationMode", "step complete", stepping, partial(plain, "EnterInitializationMode")),
     ("fmi2DoStep", "terminated", terminated, do_step),
+    ("fmi3EnterEventMode", "step complete, without event mode", stepping, partial(plain, "EnterEventMode")),
 )
 
 
@@ -96,8 +97,10 @@ def try_forbidden(call: str, state: str, arrive: Callable, act: Callable, bench:
                        f"in the state '{state}', where the call is not allowed")
 
 
+ONLY = {"fmi2SetupExperiment": ("2.0",), "fmi3EnterEventMode": ("3.0",)}
 for _forbidden in FORBIDDEN:
-    probe(f"call-order: {_forbidden[0]} when {_forbidden[1]}", legal=False)(partial(try_forbidden, *_forbidden))
+    probe(f"call-order: {_forbidden[0]} when {_forbidden[1]}", legal=False,
+          versions=ONLY.get(_forbidden[0], BOTH))(partial(try_forbidden, *_forbidden))
 
 
 def try_step_size(size: float, rule: str, bench: Bench) -> None:
@@ -126,7 +129,7 @@ def try_unknown(base: str, setting: bool, bench: Bench) -> None:
     """2.1.7: a value reference that no variable of this type has."""
     used = {v.reference for v in bench.job.variables}
     unknown = next(reference for reference in range(987654321, 2**31) if reference not in used)
-    value: Value = b"" if base == "String" else 0
+    value: Value = b"" if base in ("String", "Binary") else 0
     with bench.instance() as fmu:
         stepping(bench, fmu)
         expect_refusal(bench, fmu, "dynamic.unknown-reference", f"fmi2{'Set' if setting else 'Get'}{base}",
@@ -134,17 +137,19 @@ def try_unknown(base: str, setting: bool, bench: Bench) -> None:
                        f"for the value reference {unknown}, which no variable has")
 
 
-for _base in BASES:
+for _base in dict.fromkeys(base for bases in BASES.values() for base in bases):
     for _setting in (False, True):
         _verb = "Set" if _setting else "Get"
-        probe(f"unknown-reference: {_verb}{_base}", legal=False)(partial(try_unknown, _base, _setting))
+        _versions = tuple(version for version, bases in BASES.items() if _base in bases)
+        probe(f"unknown-reference: {_verb}{_base}", legal=False,
+              versions=_versions)(partial(try_unknown, _base, _setting))
 
 
 def forbidden_writes(bench: Bench) -> list[Known]:
     """One variable of each kind that may not be set between steps: the first of each causality and variability."""
     kinds: dict[tuple[str, str], Known] = {}
     for v in bench.job.variables:
-        if not may_set(v, "step complete") and v.base != "String":
+        if not may_set(v, "step complete") and not v.is_text:
             kinds.setdefault((v.causality, v.variability), v)
     return list(kinds.values())
 
@@ -182,8 +187,7 @@ def nonfinite(bench: Bench) -> None:
 def survives(bench: Bench, fmu: Instance, value: float) -> bool:
     """Set every Real input to the value and step; whether the instance can still be used."""
     bench.initialize(fmu)
-    references = [v.reference for v in bench.moving_inputs]
-    status = fmu.set("Real", references, [value] * len(references))
+    status = set_all(fmu, bench.moving_inputs, lambda _: value)
     if status == FATAL:
         bench.fault("dynamic.fatal", bench.moving_inputs[0].name, f"fmi2Fatal for {value:g}",
                     "fmi2Error or fmi2Discard, and a usable FMU")

@@ -8,6 +8,7 @@ if TYPE_CHECKING:
     from .bench import Bench
 
 Run = Callable[["Bench"], None]
+BOTH = ("2.0", "3.0")
 FLYING = ("load", "life")  # the probes without which nothing flies
 
 
@@ -20,26 +21,34 @@ class CallFailed(Exception):
         self.status = status
 
 
+class EndedItself(Exception):
+    """The FMU asked to end the simulation (FMI 3.0), which it may do."""
+
+
 class NoInstance(Exception):
     """fmi2Instantiate returned a null pointer although the GUID was right."""
 
 
 class Probe(NamedTuple):
-    """`legal`: all its calls are legal, so a crash is the FMU's fault beyond doubt; `many`: needs several instances."""
+    """`legal`: all its calls are legal, so a crash is the FMU's fault beyond doubt; `many`: needs several instances.
+
+    `versions` are those of FMI that it is for.
+    """
     name: str
     run: Run
     legal: bool
     many: bool
+    versions: tuple[str, ...]
 
 
 PROBES: dict[str, Probe] = {}
 
 
-def probe(name: str, legal: bool = True, many: bool = False) -> Callable[[Run], Run]:
+def probe(name: str, legal: bool = True, many: bool = False, versions: tuple[str, ...] = BOTH) -> Callable[[Run], Run]:
     """Register a probe; probes run in the order of registration."""
 
     def register(run: Run) -> Run:
-        PROBES[name] = Probe(name, run, legal, many)
+        PROBES[name] = Probe(name, run, legal, many, versions)
         return run
 
     return register

@@ -1,4 +1,4 @@
-"""Section 2.3 (FMU distribution): the archive's layout, binaries, sources and documentation."""
+"""FMU distribution (FMI 2.0: section 2.3, 3.0: 2.5): the archive's layout, binaries, sources and documentation."""
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -7,31 +7,6 @@ from ..repeats import repeated
 from ..rule import static
 from ..subject import Fault, Fmu
 
-# Folder below binaries/ -> (suffix, operating system, allowed processors).
-PLATFORMS: dict[str, tuple[str, str, frozenset[str]]] = {
-    "win32": (".dll", "windows", frozenset({"x86"})),
-    "win64": (".dll", "windows", frozenset({"x86_64"})),
-    "linux32": (".so", "linux", frozenset({"x86"})),
-    "linux64": (".so", "linux", frozenset({"x86_64"})),
-    "darwin32": (".dylib", "darwin", frozenset({"x86"})),
-    "darwin64": (".dylib", "darwin", frozenset({"x86_64", "aarch64"})),
-}
-
-# Sections 2.1 and 4.2: what the header fmi2Functions.h exports for every FMU, and for co-simulation.
-ALWAYS = """GetTypesPlatform GetVersion SetDebugLogging Instantiate FreeInstance SetupExperiment
-    EnterInitializationMode ExitInitializationMode Terminate Reset GetReal GetInteger GetBoolean GetString SetReal
-    SetInteger SetBoolean SetString DoStep GetStatus GetRealStatus GetIntegerStatus GetBooleanStatus GetStringStatus"""
-BY_FLAG = {  # capability flag of 4.3.1 -> functions that are of use only if it is set
-    "canGetAndSetFMUstate": "GetFMUstate SetFMUstate FreeFMUstate",
-    "canSerializeFMUstate": "SerializedFMUstateSize SerializeFMUstate DeSerializeFMUstate",
-    "providesDirectionalDerivative": "GetDirectionalDerivative",
-    "canInterpolateInputs": "SetRealInputDerivatives",
-    "maxOutputDerivativeOrder": "GetRealOutputDerivatives",
-    "canRunAsynchronuously": "CancelStep",
-}
-
-KNOWN_ENTRIES = {"modelDescription.xml", "model.png", "binaries", "sources", "resources", "documentation", "licenses",
-                 "extra", "terminalsAndIcons"}
 SOURCE_SUFFIXES = {".c", ".cc", ".cpp", ".cxx"}
 
 
@@ -69,7 +44,7 @@ def unique_members(fmu: Fmu) -> Iterator[Fault]:
 @static("archive.entries")
 def entries(fmu: Fmu) -> Iterator[Fault]:
     tops = {name.replace("\\", "/").split("/")[0] for name in fmu.members}
-    for name in sorted(tops - KNOWN_ENTRIES):
+    for name in sorted(tops - fmu.version.entries):
         yield Fault(name, "an entry that the specification does not name", "resources/ for whatever the FMU needs")
 
 
@@ -97,14 +72,14 @@ def binary_present(fmu: Fmu) -> Iterator[Fault]:
 @static("binary.platform")
 def binary_platform(fmu: Fmu) -> Iterator[Fault]:
     for folder in platform_folders(fmu):
-        if folder.name not in PLATFORMS:
-            yield Fault(f"binaries/{folder.name}", "a name that few tools look for", ", ".join(PLATFORMS))
+        if folder.name not in fmu.version.platforms:
+            yield Fault(f"binaries/{folder.name}", "a name that few tools look for", ", ".join(fmu.version.platforms))
 
 
 @static("binary.name")
 def binary_name(fmu: Fmu) -> Iterator[Fault]:
     for folder in platform_folders(fmu):
-        known = PLATFORMS.get(folder.name)
+        known = fmu.version.platforms.get(folder.name)
         there = sorted(path.name for path in folder.iterdir())
         if known and fmu.identifier and there and f"{fmu.identifier}{known[0]}" not in there:
             expected = f"binaries/{folder.name}/{fmu.identifier}{known[0]}"
@@ -114,7 +89,7 @@ def binary_name(fmu: Fmu) -> Iterator[Fault]:
 def libraries(fmu: Fmu) -> Iterator[tuple[str, Library | BadBinary]]:
     """(platform, the library or what is wrong with it) of each binary in its place."""
     for folder in platform_folders(fmu):
-        known = PLATFORMS.get(folder.name)
+        known = fmu.version.platforms.get(folder.name)
         file = fmu.library(folder.name, known[0]) if known else None
         if file:
             try:
@@ -126,7 +101,7 @@ def libraries(fmu: Fmu) -> Iterator[tuple[str, Library | BadBinary]]:
 @static("binary.format")
 def binary_format(fmu: Fmu) -> Iterator[Fault]:
     for platform, library in libraries(fmu):
-        _, system, machines = PLATFORMS[platform]
+        _, system, machines = fmu.version.platforms[platform]
         expected = f"a shared library for {system}, {' or '.join(sorted(machines))}"
         if isinstance(library, BadBinary):
             yield Fault(f"binaries/{platform}", f"not a usable library: {library}", expected)
@@ -141,12 +116,12 @@ def made_for(library: Library) -> str:
 
 def function_names(fmu: Fmu, claimed: bool) -> list[str]:
     """The functions that the FMU must export, or those that it need not have because of what it does not claim."""
-    names = ALWAYS.split() if claimed else []
-    for flag, functions in BY_FLAG.items():
+    names = (fmu.version.always if claimed else fmu.version.others).split()
+    for flag, functions in fmu.version.by_flag.items():
         is_claimed = (fmu.description.co_simulation or {}).get(flag, "false").strip() not in ("false", "0")
         if is_claimed == claimed:
             names += functions.split()
-    return [f"fmi2{name}" for name in names]
+    return [f"{fmu.version.prefix}{name}" for name in names]
 
 
 def not_exported(fmu: Fmu, functions: list[str]) -> Iterator[Fault]:
@@ -159,7 +134,7 @@ def not_exported(fmu: Fmu, functions: list[str]) -> Iterator[Fault]:
         hint = f" (it exports {fmu.identifier}_{prefixed[0]})" if prefixed else ""
         if missing:
             found = f"without {', '.join(missing)}{hint}"
-            yield Fault(f"binaries/{platform}", found, f"{len(functions)} functions of fmi2Functions.h")
+            yield Fault(f"binaries/{platform}", found, f"{len(functions)} functions of {fmu.version.prefix}Functions.h")
 
 
 @static("binary.exports")

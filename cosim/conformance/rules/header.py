@@ -1,4 +1,4 @@
-"""Sections 2.2 (the XML file), 2.2.1 (fmiModelDescription), 2.2.4 to 2.2.6 and 4.3.1 (CoSimulation)."""
+"""The XML file and its header. FMI 2.0: sections 2.2, 2.2.1, 2.2.4 to 2.2.6 and 4.3.1; 3.0: 2.4 to 2.4.2 and 4.4."""
 import re
 from collections.abc import Iterator
 from datetime import UTC, datetime, timedelta
@@ -49,16 +49,21 @@ def finite_attribute(fmu: Fmu) -> Iterator[Fault]:
     yield from not_finite(fmu, names)
 
 
+def interfaces(fmu: Fmu) -> tuple[str, ...]:
+    """The elements that an interface type has."""
+    return "CoSimulation", "ModelExchange", *(("ScheduledExecution",) if fmu.description.flat else ())
+
+
 @static("header.interface")
 def interface(fmu: Fmu) -> Iterator[Fault]:
-    if fmu.description.co_simulation is None and fmu.description.model_exchange is None:
-        yield Fault("fmiModelDescription", "neither ModelExchange nor CoSimulation", "at least one of the two")
+    if not any(fmu.description.attributes_at(tag) is not None for tag in interfaces(fmu)):
+        yield Fault("fmiModelDescription", f"none of {', '.join(interfaces(fmu))}", "at least one of them")
 
 
 @static("header.guid")
 def guid(fmu: Fmu) -> Iterator[Fault]:
-    if fmu.description.attributes.get("guid", "?").strip() == "":
-        yield Fault("guid", "an empty string", "a fingerprint of the XML file")
+    if fmu.description.attributes.get(fmu.version.token, "?").strip() == "":
+        yield Fault(fmu.version.token, "an empty string", "a fingerprint of the XML file")
 
 
 @static("header.model-name")
@@ -99,8 +104,8 @@ def event_indicators(fmu: Fmu) -> Iterator[Fault]:
 
 @static("header.model-identifier")
 def model_identifier(fmu: Fmu) -> Iterator[Fault]:
-    for interface_attributes in (fmu.description.co_simulation, fmu.description.model_exchange):
-        name = (interface_attributes or {}).get("modelIdentifier")
+    for tag in interfaces(fmu):
+        name = (fmu.description.attributes_at(tag) or {}).get("modelIdentifier")
         if name is not None and (not re.fullmatch(r"[A-Za-z_][A-Za-z_0-9]*", name) or name in C_KEYWORDS.split()):
             yield Fault("modelIdentifier", f"'{name}'", "letters, digits and '_', not beginning with a digit")
             return
@@ -110,6 +115,13 @@ def model_identifier(fmu: Fmu) -> Iterator[Fault]:
 def serialize_needs_state(fmu: Fmu) -> Iterator[Fault]:
     if fmu.description.claims("canSerializeFMUstate") and not fmu.description.claims("canGetAndSetFMUstate"):
         yield Fault("canSerializeFMUstate", "true while canGetAndSetFMUstate is false", "both true, or both false")
+
+
+@static("header.early-return")
+def early_return(fmu: Fmu) -> Iterator[Fault]:
+    flag, needed = "canReturnEarlyAfterIntermediateUpdate", "providesIntermediateUpdate"
+    if fmu.description.claims(flag) and not fmu.description.claims(needed):
+        yield Fault(flag, f"true while {needed} is false", "both true, or both false")
 
 
 @static("header.interpolate-needs-input")

@@ -1,4 +1,4 @@
-"""Section 2.2.8 (ModelStructure): outputs, derivatives, initial unknowns and what they depend on."""
+"""ModelStructure (FMI 2.0: section 2.2.8, 3.0: 2.4.8): outputs, derivatives, initial unknowns, and dependencies."""
 from collections.abc import Iterator
 from itertools import pairwise
 
@@ -18,13 +18,21 @@ def entry_name(fmu: Fmu, tag: str, unknown: Unknown) -> str:
 def index(fmu: Fmu) -> Iterator[Fault]:
     for tag, unknown in fmu.description.structure:
         if unknown.index is not None and fmu.description.variable(unknown.index) is None:
-            yield Fault(tag, f"index {unknown.index}", f"an index from 1 to {len(fmu.description.variables)}")
+            yield Fault(tag, *nowhere(fmu, unknown.index))
+
+
+def nowhere(fmu: Fmu, index: int | None) -> tuple[str, str]:
+    """What is there and what should be there where an entry leads to no variable."""
+    if fmu.description.flat:
+        return "a value reference that no variable has", "the value reference of a variable"
+    return f"index {index}", f"an index from 1 to {len(fmu.description.variables)}"
 
 
 @static("structure.unique")
 def unique(fmu: Fmu) -> Iterator[Fault]:
     for tag in ("Outputs", "Derivatives", "InitialUnknowns"):
-        for number, count in repeated(u.index for t, u in fmu.description.structure if t == tag):
+        listed = [u.index for t, u in fmu.description.structure if t == tag]
+        for number, count in repeated(n for n in listed if n):  # FMI 3.0: 0 for what leads nowhere
             variable = fmu.description.variable(number)
             yield Fault(f"{tag}: {variable.name if variable else number}", f"{count} entries", "one")
 
@@ -34,7 +42,7 @@ def outputs_complete(fmu: Fmu) -> Iterator[Fault]:
     listed = {unknown.index for unknown in fmu.description.outputs}
     for v in fmu.description.variables:
         if v.causality == "output" and v.index not in listed:
-            yield Fault(v.name, "an output that is not in Outputs", f'<Unknown index="{v.index}"/> in Outputs')
+            yield Fault(v.name, "an output that is not in Outputs", f"{entry(fmu, v)} in Outputs")
 
 
 @static("structure.outputs-only")
@@ -62,10 +70,19 @@ def state(fmu: Fmu) -> Iterator[Fault]:
 
 
 def unknowns_to_list(fmu: Fmu) -> list[Variable]:
-    """What InitialUnknowns must list (2.2.8): outputs, calculated parameters, states and derivatives, unless exact."""
+    """What InitialUnknowns must list: outputs, calculated parameters, states and derivatives, unless exact.
+
+    In FMI 3.0 not what is clocked.
+    """
     of_states = fmu.description.states | {unknown.index for unknown in fmu.description.derivatives}
     return [v for v in fmu.description.variables if v.causality == "calculatedParameter"
-            or (v.initial in ("approx", "calculated") and (v.causality == "output" or v.index in of_states))]
+            or (v.initial in ("approx", "calculated") and not is_clocked(v)
+                and (v.causality == "output" or v.index in of_states))]
+
+
+def is_clocked(v: Variable) -> bool:
+    """Whether the variable is a clock or belongs to one (FMI 3.0): the FMU may list it or not."""
+    return v.type == "Clock" or "clocks" in v.attributes
 
 
 @static("structure.initial-complete")
@@ -73,8 +90,13 @@ def initial_complete(fmu: Fmu) -> Iterator[Fault]:
     listed = {unknown.index for unknown in fmu.description.initial_unknowns}
     for v in unknowns_to_list(fmu):
         if v.index not in listed:
-            expected = f'<Unknown index="{v.index}"/> in InitialUnknowns'
-            yield Fault(v.name, f"{v.causality}, initial '{v.initial}', not in InitialUnknowns", expected)
+            yield Fault(v.name, f"{v.causality}, initial '{v.initial}', not in InitialUnknowns",
+                        f"{entry(fmu, v)} in InitialUnknowns")
+
+
+def entry(fmu: Fmu, v: Variable) -> str:
+    """How ModelStructure refers to a variable."""
+    return f'valueReference="{v.reference}"' if fmu.description.flat else f'<Unknown index="{v.index}"/>'
 
 
 @static("structure.initial-only")
@@ -82,7 +104,7 @@ def initial_only(fmu: Fmu) -> Iterator[Fault]:
     allowed = {v.index for v in unknowns_to_list(fmu)}
     for unknown in fmu.description.initial_unknowns:
         variable = fmu.description.variable(unknown.index)
-        if variable is not None and variable.index not in allowed:
+        if variable is not None and variable.index not in allowed and not is_clocked(variable):
             what = f"{variable.causality}, initial '{variable.initial}', in InitialUnknowns"
             yield Fault(variable.name, what, "only what is calculated during initialization")
 
@@ -101,8 +123,8 @@ def dependency_index(fmu: Fmu) -> Iterator[Fault]:
     for tag, unknown in fmu.description.structure:
         for number in unknown.dependencies or []:
             if fmu.description.variable(number) is None:
-                limit = len(fmu.description.variables)
-                yield Fault(entry_name(fmu, tag, unknown), f"dependency {number}", f"an index from 1 to {limit}")
+                found, expected = nowhere(fmu, number)
+                yield Fault(entry_name(fmu, tag, unknown), f"dependency: {found}", expected)
 
 
 @static("dependency.order")
@@ -148,7 +170,7 @@ def kind_real(fmu: Fmu) -> Iterator[Fault]:
             known = fmu.description.variable(number)
             if kind == "dependent" or known is None or target is None:
                 continue
-            if (target.type, known.type) != ("Real", "Real"):
+            if target.family != "Real" or (known.family != "Real" and not fmu.description.flat):
                 found = f"'{kind}' dependency of a {target.type} on '{known.name}', a {known.type}"
                 yield Fault(entry_name(fmu, tag, unknown), found, "kind 'dependent'")
 
@@ -159,6 +181,8 @@ def is_known(fmu: Fmu, v: Variable, tag: str) -> bool:
         return True
     if v.causality not in CAUSALITIES:
         return True  # the schema's finding
+    if fmu.description.flat and (is_clocked(v) or v.variability == "discrete" or v.causality.endswith("arameter")):
+        return v.causality != "calculatedParameter"  # discrete-time states are not told apart
     if tag == "InitialUnknowns":
         return v.initial == "exact"
     return v.causality == "parameter" and v.variability == "tunable"

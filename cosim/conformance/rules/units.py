@@ -1,9 +1,9 @@
-"""Sections 2.2.2 (units, display units) and 2.2.3 (type definitions)."""
+"""Units and types (FMI 2.0: sections 2.2.2 and 2.2.3, 3.0: 2.4.3 and 2.4.4)."""
 from collections.abc import Iterator
 
 from lxml import etree
 
-from ...master.declared import SimpleType, Variable, integer, number
+from ...master.declared import FAMILIES, SimpleType, Variable, integer, is_true, number
 from ..repeats import repeated
 from ..rule import static
 from ..subject import Fault, Fmu
@@ -48,10 +48,10 @@ def unit_names(fmu: Fmu) -> set[str]:
 def unit_carriers(fmu: Fmu) -> Iterator[tuple[str, str | None, str | None]]:
     """(name, unit, display unit) of Real types, and of Real variables that have a unit or display unit of their own."""
     for declared in fmu.description.types:
-        if declared.type == "Real":
+        if FAMILIES.get(declared.type) == "Real":
             yield f"type {declared.name}", declared.attributes.get("unit"), declared.attributes.get("displayUnit")
-    for v in fmu.description.variables:
-        if v.type == "Real" and ("unit" in v.own or "displayUnit" in v.own):  # inherited faults are the type's
+    for v in [*fmu.description.variables, *fmu.description.aliases]:
+        if v.family == "Real" and ("unit" in v.own or "displayUnit" in v.own):  # inherited faults are the type's
             yield v.name, v.resolved("unit"), v.resolved("displayUnit")
 
 
@@ -91,6 +91,15 @@ def display_is_unit(fmu: Fmu) -> Iterator[Fault]:
             factor, offset = number(display.get("factor", "1")), number(display.get("offset", "0"))
             if display.get("name") == unit.get("name") and factor != 0 and (factor, offset) != (1, 0):
                 yield Fault(unit.get("name", ""), f"factor {factor:g}, offset {offset:g}", "factor 1, offset 0")
+
+
+@static("unit.inverse")
+def inverse(fmu: Fmu) -> Iterator[Fault]:
+    for unit in unit_elements(fmu):
+        for display in unit.findall("DisplayUnit"):
+            if is_true(display.get("inverse")) and number(display.get("offset", "0")) != 0:
+                yield Fault(f"{unit.get('name')}: {display.get('name')}", f"inverse, offset {display.get('offset')}",
+                            "no offset")
 
 
 @static("unit.known-name")

@@ -1,9 +1,9 @@
-"""Sections 2.2.7 (ScalarVariables) and 2.2.9 (variable naming conventions)."""
+"""Variables and their names (FMI 2.0: sections 2.2.7 and 2.2.9, 3.0: 2.4.7)."""
 import re
 from collections import defaultdict
 from collections.abc import Iterator
 
-from ...master.declared import CAUSALITIES, INITIAL, VARIABILITIES, Variable, integer, number
+from ...master.declared import VARIABILITIES, Variable, integer, number
 from ..repeats import repeated
 from ..rule import FORMAL, static
 from ..subject import Fault, Fmu
@@ -17,7 +17,7 @@ STRUCTURED = re.compile(rf"{IDENTIFIER}|der\({IDENTIFIER}(?:,\d+)?\)")
 
 @static("variable.unique")
 def unique(fmu: Fmu) -> Iterator[Fault]:
-    for name, count in repeated(v.name for v in fmu.description.variables):
+    for name, count in repeated(v.name for v in [*fmu.description.variables, *fmu.description.aliases]):
         yield Fault(name, f"{count} variables of this name", "one")
 
 
@@ -57,24 +57,24 @@ def is_flat(fmu: Fmu) -> bool:
 @static("variable.derivative-name")
 def derivative_name(fmu: Fmu) -> Iterator[Fault]:
     for v in fmu.description.variables:
-        if not is_flat(fmu) and v.name.startswith("der(") and v.type not in ("Real", ""):
+        if not is_flat(fmu) and v.name.startswith("der(") and v.family not in ("Real", ""):
             yield Fault(v.name, f"a {v.type}", "a Real: derivatives are")
 
 
 @static("variable.causality")
 def causality(fmu: Fmu) -> Iterator[Fault]:
     for v in fmu.description.variables:
-        known = v.causality in CAUSALITIES and v.variability in VARIABILITIES  # else the schema's finding
-        if known and (v.variability, v.causality) not in INITIAL:
-            allowed = [variability for variability, causality in INITIAL if causality == v.causality]
+        allowed = [variability for variability, causality in fmu.version.initial if causality == v.causality]
+        known = allowed and v.variability in VARIABILITIES  # else the schema's finding
+        if known and v.variability not in allowed:
             yield Fault(v.name, f"a {v.variability} {v.causality}", f"variability {' or '.join(allowed)}")
 
 
 @static("variable.continuous-real")
 def continuous_real(fmu: Fmu) -> Iterator[Fault]:
     for v in fmu.description.variables:
-        allowed = (v.variability, v.causality) in INITIAL
-        if allowed and v.variability == "continuous" and v.type not in ("Real", ""):
+        allowed = (v.variability, v.causality) in fmu.version.initial
+        if allowed and v.variability == "continuous" and v.family not in ("Real", ""):
             implied = "" if "variability" in v.attributes else " (the default)"
             yield Fault(v.name, f"a continuous {v.type}{implied}", "variability discrete, or type Real")
 
@@ -82,26 +82,26 @@ def continuous_real(fmu: Fmu) -> Iterator[Fault]:
 @static("variable.initial")
 def initial(fmu: Fmu) -> Iterator[Fault]:
     for v in fmu.description.variables:
-        allowed = INITIAL.get((v.variability, v.causality))
+        allowed = fmu.version.initial.get((v.variability, v.causality))
         given = v.attributes.get("initial")
         if allowed is not None and given in ("exact", "approx", "calculated") and given not in allowed:
             expected = " or ".join(allowed) if allowed else "no `initial`"
             yield Fault(v.name, f"initial '{given}' of a {v.variability} {v.causality}", expected)
 
 
-def wants_start(v: Variable) -> bool | None:
+def wants_start(fmu: Fmu, v: Variable) -> bool | None:
     """Whether a start value must (True) or must not (False) be given; None if the attributes contradict each other."""
-    allowed = INITIAL.get((v.variability, v.causality))
+    allowed = fmu.version.initial.get((v.variability, v.causality))
     given = v.attributes.get("initial")
-    if allowed is None or (given is not None and given not in allowed):
+    if allowed is None or (given is not None and given not in allowed) or v.type == "Clock":
         return None
-    return v.causality == "input" or v.initial in ("exact", "approx")
+    return v.causality == "input" or (given or (allowed or ("",))[0]) in ("exact", "approx")
 
 
 @static("variable.start-missing")
 def start_missing(fmu: Fmu) -> Iterator[Fault]:
     for v in fmu.description.variables:
-        if v.type and v.start is None and wants_start(v) is True:
+        if v.type and v.start is None and wants_start(fmu, v) is True:
             why = "an input" if v.causality == "input" else f"initial '{v.initial}'"
             yield Fault(v.name, "no start value", f"a start value ({why})")
 
@@ -109,7 +109,7 @@ def start_missing(fmu: Fmu) -> Iterator[Fault]:
 @static("variable.start-forbidden")
 def start_forbidden(fmu: Fmu) -> Iterator[Fault]:
     for v in fmu.description.variables:
-        if v.start is not None and wants_start(v) is False:
+        if v.start is not None and wants_start(fmu, v) is False:
             why = "independent" if v.causality == "independent" else "initial 'calculated'"
             yield Fault(v.name, f"start '{v.start}'", f"no start value ({why})")
 
@@ -117,14 +117,21 @@ def start_forbidden(fmu: Fmu) -> Iterator[Fault]:
 @static("variable.start-range")
 def start_range(fmu: Fmu) -> Iterator[Fault]:
     for v in fmu.description.variables:
-        start, low, high = number(v.start), number(v.resolved("min")), number(v.resolved("max"))
-        if v.type not in ("Real", "Integer", "Enumeration") or start is None:
+        low, high = number(v.resolved("min")), number(v.resolved("max"))
+        if v.family not in ("Real", "Integer", "Enumeration"):
             continue
         if low is not None and high is not None and low > high:
             continue  # rule range.min-max
-        if (low is not None and start < low) or (high is not None and start > high):
-            bounds = f"{v.resolved('min') or '-inf'} to {v.resolved('max') or 'inf'}"
-            yield Fault(v.name, f"start {start:g}", bounds)
+        for start in (number(text) for text in starts(v)):
+            if start is not None and ((low is not None and start < low) or (high is not None and start > high)):
+                bounds = f"{v.resolved('min') or '-inf'} to {v.resolved('max') or 'inf'}"
+                yield Fault(v.name, f"start {start:g}", bounds)
+                break
+
+
+def starts(v: Variable) -> list[str | None]:
+    """The start values: one, or those of an array."""
+    return list(v.starts) if v.shape is not None else [v.start]
 
 
 @static("variable.start-item")
@@ -139,6 +146,8 @@ def start_item(fmu: Fmu) -> Iterator[Fault]:
 @static("variable.independent")
 def independent(fmu: Fmu) -> Iterator[Fault]:
     names = [v.name for v in fmu.description.variables if v.causality == "independent"]
+    if fmu.description.flat and not names:
+        yield Fault("independent", "no independent variable", "exactly one")
     if len(names) > 1:
         yield Fault(names[1], f"{len(names)} independent variables: {', '.join(names)}", "at most one")
 
@@ -147,8 +156,10 @@ def independent(fmu: Fmu) -> Iterator[Fault]:
 def derivative_index(fmu: Fmu) -> Iterator[Fault]:
     for v in fmu.description.variables:
         if v.derivative is not None and (v.derivative == v.index or fmu.description.variable(v.derivative) is None):
-            others = f"an index from 1 to {len(fmu.description.variables)} other than {v.index}"
-            yield Fault(v.name, f"derivative {v.derivative}", others)
+            found, others = f"derivative {v.derivative}", f"an index from 1 to {len(fmu.description.variables)}"
+            if fmu.description.flat:
+                found, others = "derivative of itself or of what no variable has", "the value reference of a variable"
+            yield Fault(v.name, found, f"{others} other than {v.index if not fmu.description.flat else v.reference}")
 
 
 @static("variable.derivative-real")
@@ -158,7 +169,7 @@ def derivative_real(fmu: Fmu) -> Iterator[Fault]:
         if of is None or of is v:
             continue
         for one in (v, of):
-            if (one.type, one.variability) != ("Real", "continuous"):
+            if (one.family, one.variability) != ("Real", "continuous"):
                 yield Fault(v.name, f"'{one.name}' is a {one.variability} {one.type}", "a continuous Real")
 
 
@@ -171,8 +182,12 @@ def reinit(fmu: Fmu) -> Iterator[Fault]:
 
 @static("variable.reinit-state")
 def reinit_state(fmu: Fmu) -> Iterator[Fault]:
+    states = fmu.description.states
+    if fmu.description.flat:  # FMI 3.0: derivatives need not be listed for co-simulation
+        states = {v.derivative for v in fmu.description.variables if v.derivative}
     for v in fmu.description.variables:
-        if "reinit" in v.own and fmu.description.model_exchange is not None and v.index not in fmu.description.states:
+        is_judged = fmu.description.model_exchange is not None or fmu.description.flat
+        if "reinit" in v.own and is_judged and v.index not in states:
             yield Fault(v.name, f"reinit '{v.own['reinit']}'", "no `reinit`: the variable is not a state")
 
 

@@ -37,6 +37,9 @@ typedef struct {
     int i[INTEGERS];
     int b[BOOLEANS];
     char label[64];
+    double table[3]; /* this and the next two in FMI 3.0 only, see fixture3.c */
+    unsigned long size;
+    unsigned char blob[2];
     double hidden; /* integrates x, enters y with weight 1e-3: part of the state without being a variable */
 } Data;
 
@@ -44,8 +47,9 @@ typedef struct {
     Data d;
     Mode mode;
     double start, stop;
-    int logging, stop_defined, from_bytes;
+    int logging, stop_defined, from_bytes, events;
     fmi2CallbackLogger logger;
+    void (*logger3)(void *environment, int status, const char *category, const char *text);
     fmi2ComponentEnvironment environment;
     void *heap;
     char name[64];
@@ -56,7 +60,10 @@ static double sticky;
 static int instances;
 
 static void log_message(Fmu *f, fmi2Status status, const char *category, const char *text) {
-    if (f->logging || status != fmi2OK || BUG(LOG_OFF))
+    if (!f->logging && status == fmi2OK && !BUG(LOG_OFF)) return;
+    if (f->logger3)
+        f->logger3(BUG(LOG_ENVIRONMENT) ? f : f->environment, status, category, text);
+    else
         f->logger(BUG(LOG_ENVIRONMENT) ? f : f->environment, BUG(LOG_NAME) ? "fixture" : f->name, status, category, "%s", text);
 }
 
@@ -79,6 +86,7 @@ static void start_values(Fmu *f) {
     f->d.r[G] = 9.81;
     f->d.b[ON] = 1;
     strcpy(f->d.label, "tank");
+    f->d.size = 3, f->d.table[0] = 1.0, f->d.table[1] = 2.0, f->d.table[2] = 3.0, f->d.blob[1] = 255;
     f->mode = INSTANTIATED;
 }
 
@@ -190,7 +198,10 @@ fmi2Status fmi2Reset(fmi2Component c) {
     return fmi2OK;
 }
 
+#ifndef READABLE
 #define READABLE (INITIALIZING | STEPPING | TERMINATED | FAILED)
+#define SETTABLE (INSTANTIATED | INITIALIZING | STEPPING)
+#endif
 #define KNOWN(LIMIT) \
     if (!BUG(UNKNOWN_REFERENCE) && vr[k] >= LIMIT) return refuse(f, "unknown value reference"); \
     if (vr[k] >= LIMIT) continue
@@ -249,7 +260,7 @@ static int settable(Fmu *f, int is_input, int is_tunable, int is_exact) {
 
 fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2Real value[]) {
     Fmu *f = c;
-    ALLOW(INSTANTIATED | INITIALIZING | STEPPING);
+    ALLOW(SETTABLE);
     for (size_t k = 0; k < n; k++) {
         KNOWN(REALS);
         if (!settable(f, vr[k] == U, vr[k] == GAIN, vr[k] == K || vr[k] == X)) return refuse(f, "not settable now");
@@ -263,7 +274,7 @@ fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t n,
 
 fmi2Status fmi2SetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2Integer value[]) {
     Fmu *f = c;
-    ALLOW(INSTANTIATED | INITIALIZING | STEPPING);
+    ALLOW(SETTABLE);
     for (size_t k = 0; k < n; k++) {
         KNOWN(INTEGERS);
         if (!settable(f, 0, 0, vr[k] == COUNT)) return refuse(f, "not settable now");
@@ -274,7 +285,7 @@ fmi2Status fmi2SetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t
 
 fmi2Status fmi2SetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2Boolean value[]) {
     Fmu *f = c;
-    ALLOW(INSTANTIATED | INITIALIZING | STEPPING);
+    ALLOW(SETTABLE);
     for (size_t k = 0; k < n; k++) {
         KNOWN(BOOLEANS);
         if (!settable(f, 1, 0, 0)) return refuse(f, "not settable now");
@@ -285,7 +296,7 @@ fmi2Status fmi2SetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t
 
 fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2String value[]) {
     Fmu *f = c;
-    ALLOW(INSTANTIATED | INITIALIZING | STEPPING);
+    ALLOW(SETTABLE);
     for (size_t k = 0; k < n; k++) {
         KNOWN(STRINGS);
         if (!settable(f, 0, 0, vr[k] == LABEL)) return refuse(f, "not settable now");

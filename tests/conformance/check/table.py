@@ -73,8 +73,9 @@ def _judge(case: Case, file: Path, validated: list[bool]) -> Found:
 
 def summary(found: dict[Case, Found]) -> list[str]:
     """How many defects each tool finds, by kind."""
-    dynamic = sum(name.startswith("dynamic.") for name in RULES)
-    lines = [f"{len(RULES)} rules, {dynamic} of them dynamic; {len(found)} defects:", ""]
+    own = [name for name, rule in RULES.items() if "2.0" in rule.sections]
+    dynamic = sum(name.startswith("dynamic.") for name in own)
+    lines = [f"{len(own)} rules of FMI 2.0, {dynamic} of them dynamic; {len(found)} defects:", ""]
     lines += ["| defects | number | fmpy | fmutool | ours |", "|---|---|---|---|---|"]
     for kind in ("static", "archive", "dynamic", "all"):
         chosen = [f for case, f in found.items() if kind in (case.kind, "all")]
@@ -87,17 +88,18 @@ def _sums(chosen: Sequence[Found]) -> list[str]:
 
 
 def by_rule(found: dict[Case, Found]) -> list[str]:
-    """One line for each rule: section, severity, what it says, and how many of its defects each tool finds."""
+    """One line for each rule: sections, severity, what it says, how many of its FMI 2.0 defects each tool finds."""
     groups: dict[str, list[Found]] = defaultdict(list)
     for case, f in found.items():
         groups[case.rule].append(f)
     lines = [
-        "| rule | section | severity | impact | says | defects | fmpy | fmutool | ours |",
-        "|---|---|---|---|---|---|---|---|---|",
+        "| rule | FMI 2.0 | FMI 3.0 | severity | impact | says | defects | fmpy | fmutool | ours |",
+        "|---|---|---|---|---|---|---|---|---|---|",
     ]
-    for name, rule in sorted(RULES.items(), key=lambda item: (item[1].sections["2.0"], item[0])):
-        counts = [str(len(groups[name])), *_sums(groups[name])]
-        words = f"{rule.sections['2.0']} | {rule.severity} | {rule.impact} | {rule.says}"
+    for name, rule in sorted(RULES.items(), key=lambda item: (item[1].sections.get("2.0", "9"), item[0])):
+        counts = [str(len(groups[name])), *_sums(groups[name])] if "2.0" in rule.sections else [""] * 4
+        sections = " | ".join(rule.sections.get(version, "") for version in ("2.0", "3.0"))
+        words = f"{sections} | {rule.severity} | {rule.impact} | {rule.says}"
         lines.append(f"| {name} | {words} | {' | '.join(counts)} |")
     return lines
 

@@ -76,8 +76,9 @@ def test_bad_file_is_one_clear_finding_and_leaves_nothing(
     assert not Path("/outside.txt").exists()
 
 
-def test_every_rule_has_a_defect() -> None:
-    assert sorted({case.rule for case in CASES}) == sorted(RULES)
+def test_every_rule_of_fmi_2_has_a_defect() -> None:
+    own = [name for name, rule in RULES.items() if "2.0" in rule.sections]
+    assert sorted({case.rule for case in CASES}) == sorted(own)
 
 
 def test_there_are_at_least_sixty_distinct_defects() -> None:
