@@ -8,6 +8,7 @@ import pyarrow.compute
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from ..text import without_math
 from ..vehicle.metrics import HEADLINES, METRICS, OVER_TIME
 from .statistics import Results, interval
 
@@ -22,6 +23,11 @@ def figure(height: float, rows: int = 1, columns: int = 1, **options: Any) -> tu
     made = Figure(figsize=(WIDTH, height), layout="constrained")
     FigureCanvasAgg(made)
     return made, made.subplots(rows, columns, squeeze=False, **options)
+
+
+def short(name: str) -> str:
+    """A draw's name on an axis."""
+    return without_math(name.removeprefix("scenario."))
 
 
 def wide(values: np.ndarray) -> bool:
@@ -123,7 +129,7 @@ def drivers(results: list[Results], draws: list[str], metric: str) -> Figure:
         axis.set_xlim(-1, 1)
         axis.set_xlabel(f"rank correlation with {what}", fontsize="small")
         axis.grid(True, alpha=0.3)
-    axes[0, 0].set_yticks(range(len(names)), [n.replace("scenario.", "") for n in names], fontsize="small")
+    axes[0, 0].set_yticks(range(len(names)), [short(n) for n in names], fontsize="small")
     axes[0, 0].invert_yaxis()
     axes[0, 0].legend(fontsize="small")
     return made
@@ -141,7 +147,7 @@ def scatter(r: Results, draws: list[str], metric: str) -> Figure:
         x = r.columns[name][chosen]
         axis.plot(x[~success], y[~success], ".", ms=3, alpha=0.5, color=FAILURE, label="failure")
         axis.plot(x[success], y[success], ".", ms=3, alpha=0.5, color=SUCCESS, label="success")
-        axis.set_xlabel(name.replace("scenario.", ""), fontsize="small")
+        axis.set_xlabel(short(name), fontsize="small")
         axis.set_title(f"with failure {by_draw[name]['failure']:+.2f}", fontsize="small")
         axis.grid(True, alpha=0.3)
         if wide(y):

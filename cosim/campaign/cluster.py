@@ -17,11 +17,13 @@ from typing import Any
 
 import dask
 from distributed import Client, LocalCluster
+from distributed.comm.registry import get_backend
 from distributed.security import Security
 
 from ..errors import RunError, UsageError
 
 WAIT_S = 60.0  # for a first worker
+ANSWER_S = 15.0  # for an answer of the scheduler
 CLOSING_S = 0.5
 
 
@@ -97,15 +99,34 @@ def end(cluster: LocalCluster, client: Client, others: set[BaseProcess]) -> None
 def remote(scheduler: str, tls: Tls | None) -> Iterator[Client]:
     """A client of the cluster at `scheduler`. Without `tls` Dask's own configuration holds.
 
-    Raises UsageError for TLS files that cannot be used; RunError if there is no cluster, or if it has no workers.
+    Raises UsageError for an address that cannot be one, or TLS files that cannot be used; RunError if there is no
+    cluster, or if it has no workers.
     """
+    security = tls.security() if tls else Security()
+    check_address(scheduler, security)
     try:
-        client = Client(scheduler, timeout=WAIT_S / 4, security=tls.security() if tls else None)
+        client = Client(scheduler, timeout=ANSWER_S, security=security)
     except (OSError, ValueError, TypeError, RuntimeError) as error:
         raise RunError(f"There is no Dask scheduler at {scheduler} that takes us: {error}") from None
     with client:
         with_workers(client, f"The scheduler at {scheduler} has no workers.")
         yield client
+
+
+def check_address(scheduler: str, security: Security) -> None:
+    """Raises UsageError for an address that names no host and port, that Dask cannot reach from here, or that needs
+    certificates which `security` does not have."""
+    protocol, _, place = scheduler.rpartition("://")
+    host, _, port = place.rpartition(":")
+    if not (host.strip() and port.isascii() and port.isdigit() and 0 < int(port[:6]) <= 65535):
+        raise UsageError(f"--scheduler {scheduler} is not an address: give tcp://HOST:PORT or tls://HOST:PORT.")
+    try:
+        get_backend(protocol or "tcp").get_connector()
+    except (ValueError, ImportError, TypeError) as error:
+        raise UsageError(f"--scheduler {scheduler} cannot be reached from here: {error}.") from None
+    if protocol in ("tls", "wss") and not security.get_connection_args("client").get("ssl_context"):
+        raise UsageError(f"--scheduler {scheduler} needs certificates: give --tls-ca, --tls-cert and --tls-key, or set "
+                         f"Dask's own configuration.")
 
 
 def with_workers(client: Client, otherwise: str) -> None:

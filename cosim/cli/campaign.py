@@ -6,7 +6,7 @@ from typing import Annotated, Any
 import typer
 
 from ..errors import UsageError
-from .options import Json
+from .options import Json, place
 from .show import report
 
 
@@ -16,12 +16,15 @@ def campaign(
     workers: Annotated[int | None, typer.Option(help="Local worker processes; else one for each core.", min=1,
                                                           max=1000)] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Continue an interrupted campaign.")] = False,
-    tls_ca: Annotated[Path | None, typer.Option(metavar="FILE", help="CA, for a scheduler with TLS.")] = None,
-    tls_cert: Annotated[Path | None, typer.Option(metavar="FILE", help="Our certificate, for the same.")] = None,
-    tls_key: Annotated[Path | None, typer.Option(metavar="FILE", help="Its key.")] = None,
+    tls_ca: Annotated[Path | None, typer.Option(metavar="FILE", parser=place,
+                                                 help="CA, for a scheduler with TLS.")] = None,
+    tls_cert: Annotated[Path | None, typer.Option(metavar="FILE", parser=place,
+                                                   help="Our certificate, for the same.")] = None,
+    tls_key: Annotated[Path | None, typer.Option(metavar="FILE", parser=place, help="Its key.")] = None,
     dashboard: Annotated[bool, typer.Option("--dashboard", help="Dask's dashboard for the local cluster; every user "
                                                                 "of this machine can see it.")] = False,
-    out: Annotated[Path | None, typer.Option(help="Folder; else results/campaign/NAME.")] = None,
+    out: Annotated[Path | None, typer.Option(metavar="DIR", parser=place, help="Folder; else "
+                                             "results/campaign/NAME.")] = None,
     as_json: Json = False,
 ) -> None:
     """Fly many uncertain runs on Dask, and report how often they succeed."""

@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from ..vehicle.closed_loop import assignments, chosen_presets
-from .options import Controller, Flavour, Plant, Preset, Set, Uncertainty
+from .options import Controller, Flavour, Plant, Preset, Set, Uncertainty, place
 from .show import note
 from .systems import for_scenarios_only
 
@@ -25,11 +25,11 @@ def container(
     step: Annotated[float | None, typer.Option(help="Step at which values are exchanged, s; else the file's.")] = None,
     uncertainty: Uncertainty = None,
     set_: Set = [],  # noqa: B006
-    out: Annotated[Path | None, typer.Option(help="File; else results/SYSTEM.fmu.")] = None,
+    out: Annotated[Path | None, typer.Option(metavar="FILE", parser=place,
+                                             help="File; else results/SYSTEM.fmu.")] = None,
 ) -> None:
     """Write a system as one FMU, which exchanges values as the algorithm jacobi does."""
     from ..master.flight import tick_count
-    from ..master.folder import expanded
     from ..ssp.container import write_container
     from ..systems.load import load_system
     from ..systems.system_file import is_system_file
@@ -52,6 +52,6 @@ def container(
             name, what, stop = plan.name, loop.system, plan.stop
         size = what.step or DEFAULT_STEP if step is None else step
         tick_count(size, what.start + size if stop is None else stop, what.start)
-        path = expanded(out) if out else Path("results") / f"{Path(system).stem}.fmu"
+        path = out or Path("results") / f"{Path(system).stem}.fmu"
         note(write_container(path, name, what, size, stop, connector or None))
     print(path, file=sys.stderr)

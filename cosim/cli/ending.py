@@ -3,14 +3,18 @@
 An exception can get lost, since Python swallows those that are raised in some of its callbacks, for example those of
 imports. Therefore an alarm follows: if nothing is being closed when it comes, the exception is raised again.
 """
+import atexit
+import os
 import signal
 import sys
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
 from ..master.interruptions import ASKING, HELD
 
 AGAIN_S = 0.2
+PATIENCE_S = 2.0
 
 
 @contextmanager
@@ -38,6 +42,32 @@ def end(number: int, _: object = None) -> None:
         HELD[0].append(number)
     elif not unwinding():
         raise KeyboardInterrupt if number == signal.SIGINT else SystemExit(128 + number)
+
+
+@contextmanager
+def ended_in_any_case() -> Iterator[None]:
+    """Around calls of FMUs in this process: a signal that asks for an end also ends the program, PATIENCE_S later, if
+    a call does not come back. Temporary folders go."""
+    heard, told = os.pipe()
+    os.set_blocking(told, False)
+    over = threading.Event()
+
+    def listen() -> None:
+        while word := os.read(heard, 1):
+            if word[0] in ASKING and not over.wait(PATIENCE_S):
+                print("ahv: Interrupted in a call of an FMU that does not come back.", file=sys.stderr, flush=True)
+                atexit._run_exitfuncs()
+                os._exit(128 + word[0])
+        os.close(heard)
+
+    threading.Thread(target=listen, daemon=True).start()
+    before = signal.set_wakeup_fd(told, warn_on_full_buffer=False)
+    try:
+        yield
+    finally:
+        over.set()
+        signal.set_wakeup_fd(before)
+        os.close(told)
 
 
 def unwinding() -> bool:

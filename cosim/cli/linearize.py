@@ -5,6 +5,7 @@ from typing import Annotated
 import typer
 
 from ..vehicle.closed_loop import assignments
+from .ending import ended_in_any_case
 from .options import Altitude, Controller, Json, Plant, Preset, Set, Step, Velocity
 from .show import report, report_rows, short
 
@@ -23,7 +24,8 @@ def linearize(
     """Linearise open and closed loop about level flight: poles, zeros, damping, margins at each actuator and sensor."""
     from ..vehicle.linearize import linearize as linearize_loop
 
-    found = linearize_loop(controller, preset, plant, V, h, scale, step, assignments(set_))
+    with ended_in_any_case():
+        found = linearize_loop(controller, preset, plant, V, h, scale, step, assignments(set_))
     if as_json:
         print(json.dumps(found))
         return

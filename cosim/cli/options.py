@@ -4,7 +4,17 @@ from typing import Annotated
 
 import typer
 
+from ..master.folder import expanded
 from ..vehicle.registry import LAWS, PLANTS, choices
+
+
+def place(word: str) -> Path:
+    """The file or folder that a word of the command line names: `~/x` is below the home folder, `./~/x` is not. Raises
+    UsageError if there is no such home."""
+    path = Path(word)
+    return expanded(path) if word.startswith("~") or not str(path).startswith("~") else path.absolute()
+
+
 
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout.")]
 Algorithm = Annotated[str, typer.Option(metavar="NAME[,OPTION=VALUE]...", help="gauss-seidel, jacobi, multi-rate, "
@@ -32,4 +42,5 @@ Record = Annotated[list[str], typer.Option("--record", metavar="COMPONENT.VARIAB
 Decimate = Annotated[int, typer.Option(help="Write every N-th tick.", min=1, max=10**12)]
 Velocity = Annotated[float, typer.Option("--V", help="Velocity, ft/s.")]
 Altitude = Annotated[float, typer.Option("--h", help="Altitude, ft.")]
-Out = Annotated[Path | None, typer.Option(help="Folder for the results; else below results/.")]
+Out = Annotated[Path | None, typer.Option(metavar="DIR", parser=place,
+                                          help="Folder for the results; else below results/.")]

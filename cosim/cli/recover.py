@@ -4,19 +4,20 @@ from typing import Annotated
 
 import typer
 
-from .options import Json
+from .options import Json, place
 from .show import conclude, note, report
 
 
 def recover(
-    folder: Annotated[Path, typer.Argument(metavar="DIR", help="The folder of the run.")],
-    out: Annotated[Path | None, typer.Option(help="Folder for the results; else DIR itself.")] = None,
+    folder: Annotated[Path, typer.Argument(metavar="DIR", parser=place, help="The folder of the run.")],
+    out: Annotated[Path | None, typer.Option(metavar="DIR", parser=place, help="Folder for the results; else "
+                                             "DIR itself.")] = None,
     as_json: Json = False,
 ) -> None:
     """Make results of the rows that a run with --stream left when it was killed, or when the disk was full."""
-    from ..master.folder import expanded, kind_of
+    from ..master.folder import kind_of
 
-    if kind_of(expanded(folder)) == "simulate":
+    if kind_of(folder) == "simulate":
         from ..systems.simulate import recover as simulated
 
         summary, flight, trouble = simulated(folder, out)

@@ -4,7 +4,7 @@ from typing import Annotated
 
 import typer
 
-from .options import Decimate, Json, Out, Record, Stream, TimeLimit
+from .options import Decimate, Json, Out, Record, Stream, TimeLimit, place
 from .show import conclude, report
 
 ALGORITHM = ("gauss-seidel (the default, unless the file says another), jacobi, multi-rate, variable or iterated; for "
@@ -25,8 +25,10 @@ def simulate(
     record: Record = [],  # noqa: B006
     decimate: Decimate = 1,
     plot: Annotated[bool, typer.Option("--plot", help="Draw what is recorded, one panel for each unit.")] = False,
-    save: Annotated[Path | None, typer.Option(help="File for the whole state at the end.")] = None,
-    restore: Annotated[Path | None, typer.Option(help="Go on from a state that --save wrote.")] = None,
+    save: Annotated[Path | None, typer.Option(metavar="FILE", parser=place,
+                                              help="File for the whole state at the end.")] = None,
+    restore: Annotated[Path | None, typer.Option(metavar="FILE", parser=place,
+                                                 help="Go on from a state that --save wrote.")] = None,
     time_limit: TimeLimit = None,
     stream: Stream = False,
     out: Out = None,

@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from ..vehicle.closed_loop import assignments, chosen_presets
-from .options import Controller, Flavour, Plant, Preset, Set, Uncertainty
+from .options import Controller, Flavour, Plant, Preset, Set, Uncertainty, place
 from .show import note
 from .systems import for_scenarios_only
 
@@ -23,11 +23,10 @@ def ssp(
                                                )] = None,
     uncertainty: Uncertainty = None,
     set_: Set = [],  # noqa: B006
-    out: Annotated[Path | None, typer.Option(help="File; else results/NAME.ssp.")] = None,
+    out: Annotated[Path | None, typer.Option(metavar="FILE", parser=place, help="File; else results/NAME.ssp.")] = None,
 ) -> None:
     """Write the closed loop, or any system, as SSP 1.0, for any tool that reads it."""
     from ..master.flight import tick_count
-    from ..master.folder import expanded
     from ..ssp.write import write
     from ..systems.load import load_system
     from ..systems.system_file import is_system_file
@@ -48,7 +47,7 @@ def ssp(
             size = DEFAULT_STEP if step is None else step
             name, system, notes, start, stop = plan.name, loop.system, loop.notes, 0.0, plan.stop
         tick_count(size, stop, start)
-        path = expanded(out) if out else Path("results") / f"{name}.ssp"
+        path = out or Path("results") / f"{name}.ssp"
         write(path, name, system, size, stop)
     note(notes)
     print(path, file=sys.stderr)

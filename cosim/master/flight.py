@@ -22,7 +22,7 @@ from .pace import Pace
 from .progress import Progress
 from .recording import CHUNK_ROWS, Recorder, Stream
 from .series import Series
-from .state import State, need_even, need_serialised, write_state
+from .state import State, keep_state, need_even, need_serialised
 from .system import System
 from .table import Table
 from .wiring import Signal
@@ -302,16 +302,6 @@ def fly_loaded(master: Master, chosen: Method, step: float, ticks: int, progress
     flight.interrupted = interrupted[0] if interrupted else 0
     flight.lateness = pace.report() if pace else None
     return flight
-
-
-def keep_state(path: Path, master: Master, flight: Flight, start: float, step: float, algorithm: str, first: int
-               ) -> None:
-    """Write the state at the end of a flight, which has failed if it finds no room or an FMU refuses."""
-    try:
-        write_state(path, master, start, step, algorithm, first + flight.ticks)
-    except RunError as error:
-        flight.finished = False
-        flight.message = f"{flight.message.rstrip('.')}; {error}" if flight.message else str(error)
 
 
 def known_of(flight: Flight) -> dict[str, Any]:

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import IO
 
 from ..errors import UsageError
-from .publish import KINDS, OWN, REQUEST, ROWS, STAGED, move, read
+from .publish import KINDS, OWN, REQUEST, ROWS, STAGED, Kind, move, read
 from .whole_file import reason
 
 MARK = "kind.json"
@@ -127,14 +127,18 @@ def check_owner(folder: Path, kind: str) -> None:
 def kind_of(folder: Path) -> str | None:
     """Which kind of results a folder holds, a key of KINDS; None if none."""
     marked = str(read(folder / OWN / MARK).get("kind"))
-    if marked in KINDS and any((folder / name).exists()
-                               for name in (KINDS[marked].head, f"{OWN}/{ROWS}", f"{OWN}/{STAGED}")):
+    if marked in KINDS and has(folder, KINDS[marked], f"{OWN}/{ROWS}", f"{OWN}/{STAGED}"):
         return marked
     for name, kind in KINDS.items():  # copied without the mark, or written by a version that had none
         head = read(folder / kind.head)
         if head.get("kind", name) == name and kind.key in head:
             return name
     return None
+
+
+def has(folder: Path, kind: Kind, *more: str) -> bool:
+    """Whether a folder that is marked as one of `kind` has results, or one of the files `more`."""
+    return any((folder / name).exists() for name in (kind.head, *kind.signs, *more))
 
 
 def settle(folder: Path, kind: str) -> None:
@@ -154,7 +158,7 @@ def settle(folder: Path, kind: str) -> None:
 def leave(folder: Path, kind: str) -> None:
     """Remove our mark from a folder that has no results, and the folder if it is empty."""
     own = folder / OWN
-    if not (folder / KINDS[kind].head).exists() and {p.name for p in own.iterdir()} <= {MARK, REQUEST}:
+    if not has(folder, KINDS[kind]) and {p.name for p in own.iterdir()} <= {MARK, REQUEST}:
         shutil.rmtree(own, ignore_errors=True)
         with suppress(OSError):  # the user has files there
             folder.rmdir()

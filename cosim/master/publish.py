@@ -35,6 +35,7 @@ class Kind:
     head: str
     key: str                 # in every head of ours
     files: tuple[str, ...]   # patterns of what is beside the head
+    signs: tuple[str, ...] = ()  # of these files each says that the folder, if so marked, is ours without a head
 
 
 KINDS = {
@@ -43,7 +44,7 @@ KINDS = {
     "compare": Kind("a comparison", "compare.json", "controllers", ("compare_*.png",)),
     "campaign": Kind("a campaign", "campaign.json", "dispersions", (
         "campaign.yaml", "parts", "receipt.json", "runs.parquet", "signals.parquet", "errors.parquet", "report.html",
-        "report.json", "figures")),
+        "report.json", "figures"), ("receipt.json", "parts/.campaign")),
     "tune": Kind("a tuning", "tune.json", "budget", ()),
 }
 
@@ -56,7 +57,7 @@ class Published:
 
 
 def publish(folder: Path, kind: str, record: dict[str, Any], must: Fill, extras: Sequence[Fill] = (),
-            less: Fill | None = None, rows: Path | None = None) -> Published:
+            less: Fill | None = None, rows: Path | None = None, interrupted: int = 0) -> Published:
     """Replace the results in `folder` by what `must` and `extras` write, and a head with `record`.
 
     Where there is no room for all, extras are left out. Where there is none for `must`, the results go to a temporary
@@ -64,7 +65,8 @@ def publish(folder: Path, kind: str, record: dict[str, Any], must: Fill, extras:
     wait until all is in place; extras that have not begun are left out.
 
     `rows` is the file that `must` reads, if it does. It goes when all is in place. Where this fails it stays, so there
-    is nothing to fall back to, and a signal ends the writing.
+    is nothing to fall back to, and a signal ends the writing. `interrupted` is the signal that came before, or 0: then
+    there are no extras.
     """
     def put(place: Path, fill: Fill, **more: str) -> str:
         left_out = stage(place, kind, {**record, **more}, fill, extras, signals)
@@ -75,7 +77,7 @@ def publish(folder: Path, kind: str, record: dict[str, Any], must: Fill, extras:
         return left_out
 
     with ExitStack() as stack:
-        signals = [] if rows else stack.enter_context(held())
+        signals = ([interrupted] if interrupted else []) if rows else stack.enter_context(held())
         try:
             left_out = put(folder, must)
             only = " and ".join(files(folder, kind))

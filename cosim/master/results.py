@@ -43,7 +43,8 @@ def write(folder: Path, kind: str, flight: "Flight", summary: dict[str, Any], de
         "versions": {"python": platform.python_version(), **{name: version(name) for name in PACKAGES}},
     }
     if rows:
-        return publish(folder, kind, record, lambda place: to_parquet(rows, place / SIGNALS), extras, rows=rows)
+        return publish(folder, kind, record, lambda place: to_parquet(rows, place / SIGNALS), extras, rows=rows,
+                       interrupted=flight.interrupted)
     signals = table(flight, decimate)
     return publish(folder, kind, record, lambda place: write_parquet(signals, place / SIGNALS),
                    [lambda place: pyarrow.csv.write_csv(signals, (place / "signals.csv").absolute()), *extras],

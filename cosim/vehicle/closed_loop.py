@@ -24,6 +24,7 @@ CLOSED_LOOP = [
 ]
 OPTIONAL = {"controller": {"V_command", "h_command", "V", "h", "gamma", "theta", "Q"},
             "plant": {"scale_thrust", "scale_lift", "scale_drag", "scale_moment", "scale_forces"}}
+LIMITS = (("fuel_ratio_min", "fuel_ratio_max"), ("elevator_min", "elevator_max"))  # parameters of our laws
 Link = tuple[str, str, str]
 LINKS: list[Link] = [(source, target, name) for source, target, shared in CLOSED_LOOP for name in shared]
 
@@ -178,10 +179,29 @@ def closed_loop(scenario: Scenario, controller: str = "neural", plant: str = "id
     if uncertainty is not None:
         flown = merged(flown, {"scenario": swings(scenario.name, flown["scenario"], uncertainty)})
     components = {c: Component(c, part.fmu, flown.get(c, {})) for c, part in parts.items()}
+    check_limits(components["controller"])
     foreign = {c for c, part in parts.items() if not part.ours}
     links, notes = fitting(components, foreign) if foreign else (LINKS, [])
     return ClosedLoop(wired(**components, links=links), parts["controller"].name, parts["plant"].name, flavour, names,
                       said_by, bool(foreign), notes)
+
+
+def check_limits(controller: Component) -> None:
+    """Raises UsageError for a lower limit of an actuator that is above its upper limit."""
+    from ..master.fmu import FmuFile
+
+    for pair in LIMITS:
+        if not set(pair) & set(controller.values):
+            continue
+        with FmuFile.open(controller.fmu) as file:
+            words = {name: controller.values.get(name, file.variables[name].start)
+                     for name in pair if name in file.variables}
+            if len(words) < 2 or None in words.values():
+                continue
+            low, high = (float(file.checked(name, word, "controller")) for name, word in words.items())
+        if low > high:
+            least, most = (f"controller.{name} = {word}" for name, word in words.items())
+            raise UsageError(f"{least} is not allowed: it is above {most}.")
 
 
 def check_scenario(scenario: Scenario, parts: Mapping[str, Choice], flown: set[str]) -> None:

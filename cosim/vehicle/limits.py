@@ -4,8 +4,9 @@ from math import degrees
 import numpy as np
 
 from ..master.flight import Flight
+from .closed_loop import LIMITS
 from .metrics import measured
-from .trim import ARRIVED, LIMITS, beyond
+from .trim import ARRIVED, beyond
 
 SHARE = 0.1   # of the flight that an actuator may be at a limit without a word
 PAUSE = 0.25  # s off a limit that do not count: on the way from one limit to the other
@@ -25,7 +26,7 @@ def start_of(flight: Flight) -> list[str]:
     """A sentence if level flight at the start needs more than the controller's limits allow, or was not found."""
     plant, controller = (flight.parameters.get(name, {}) for name in ("plant", "controller"))
     needed = ("V_start", "h_start", "fuel_ratio_trim", "elevator_trim", "trim_residual")
-    if not (set(needed) <= set(plant) and set(LIMITS) <= set(controller)):
+    if not (set(needed) <= set(plant) and {name for pair in LIMITS for name in pair} <= set(controller)):
         return []
     V, h, fuel_ratio, elevator, residual = (float(plant[name]) for name in needed)
     if not residual <= ARRIVED:

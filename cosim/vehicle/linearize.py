@@ -9,9 +9,9 @@ from math import degrees
 from typing import Any
 
 from ..errors import RunError, UsageError
-from ..master.system import Value
+from ..master.system import Component, Value
 from . import scenarios
-from .closed_loop import LINKS, Values, closed_loop, flavour_of, fmu_path, merged, no_component
+from .closed_loop import LINKS, Values, check_limits, closed_loop, flavour_of, fmu_path, merged, no_component
 from .registry import LAWS, PLANTS
 from .scenarios import GROUPS
 
@@ -90,6 +90,8 @@ def allowed(controller: str, preset: str, values: Values) -> tuple[dict[str, Val
     for component, model in models.items():
         with FmuFile.open(fmu_path(flavour_of(None), model.fmu)) as file:
             own = file.preset(preset) if component == "controller" else {}
+            if component == "controller":
+                check_limits(Component(component, file.path, {**own, **values.get(component, {})}))
             found.append({name: file.checked(name, value, component)
                           for name, value in {**own, **values.get(component, {})}.items()})
     return found[0], found[1]

@@ -3,10 +3,9 @@ from collections.abc import Mapping
 from math import degrees
 
 from ..errors import RunError
-from .closed_loop import flavour_of, fmu_path
+from .closed_loop import LIMITS, flavour_of, fmu_path
 from .registry import LAWS, PLANTS
 
-LIMITS = ("fuel_ratio_min", "fuel_ratio_max", "elevator_min", "elevator_max")  # parameters of our laws
 ARRIVED = 1e-6  # largest state derivative of a flight that is level, mixed units per second
 
 
@@ -44,11 +43,11 @@ def beyond_limits(found: dict[str, float], flavour: str | None = None) -> str:
     from ..master.fmu import FmuFile
 
     with FmuFile.open(fmu_path(flavour_of(flavour), next(iter(LAWS.values())).fmu)) as file:
-        return beyond(found, {name: number(file.variable(name).start) or 0.0 for name in LIMITS})
+        return beyond(found, {name: number(file.variable(name).start) or 0.0 for pair in LIMITS for name in pair})
 
 
 def beyond(found: Mapping[str, float], limits: Mapping[str, float]) -> str:
-    """The same with `limits`, by the names in LIMITS (rad)."""
+    """The same with `limits`, by their names (rad)."""
     actuators = (("a fuel ratio", found["fuel_ratio"], limits["fuel_ratio_min"], limits["fuel_ratio_max"], ""),
                  ("an elevator", found["elevator_deg"], degrees(limits["elevator_min"]),
                   degrees(limits["elevator_max"]), " deg"))

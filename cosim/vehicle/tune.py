@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from multiprocessing import get_context, parent_process
+from multiprocessing import active_children, get_context, parent_process
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +24,7 @@ from ..master.fmu import FmuFile
 from ..master.folder import claimed
 from ..master.system import System
 from ..master.whole_file import whole
+from ..processes import PARENT_DEATH, prctl
 from . import scenarios
 from .closed_loop import choice, closed_loop
 from .registry import LAWS
@@ -82,8 +83,9 @@ BENCH: list[Bench] = []  # of this process
 
 
 def begin(systems: Mapping[str, System]) -> None:
-    """Prepare a worker process. Ctrl-C is for the parent, and no worker outlives it."""
+    """Prepare a worker process. Ctrl-C is for the parent, and no worker outlives it, not even in an FMU's call."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    prctl(PARENT_DEATH, signal.SIGKILL)
     threading.Thread(target=end_with_parent, daemon=True).start()
     BENCH[:] = [Bench(systems)]
 
@@ -107,6 +109,10 @@ def flying(systems: Mapping[str, System], workers: int) -> Iterator[Evaluate]:
     pool = ProcessPoolExecutor(workers, get_context("spawn"), begin, (systems,))
     try:
         yield lambda tasks: list(pool.map(flown_by, *zip(*tasks)))
+    except BaseException:
+        for worker in active_children():  # what they fly is of no use, and may not end by itself
+            worker.kill()
+        raise
     finally:
         pool.shutdown(cancel_futures=True)
 

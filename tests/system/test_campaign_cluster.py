@@ -21,7 +21,7 @@ from places import AHV, ROOT
 from test_cases import ahv
 
 from cosim.campaign import cluster
-from cosim.errors import UsageError
+from cosim.errors import RunError, UsageError
 
 
 def until(true, limit=120.0):
@@ -194,8 +194,9 @@ def test_a_cluster_with_tls_takes_who_has_the_files(hosts, tmp_path):
         return ("campaign", file, "--out", out, "--scheduler", address, "--tls-ca", ca, "--tls-cert", cert,
                 "--tls-key", key)
 
-    for refused in (("campaign", file, "--out", out, "--scheduler", there.address),
-                    ("campaign", file, "--out", out, "--scheduler", there.address.replace("tls", "tcp")),
+    said = ahv("campaign", file, "--out", out, "--scheduler", there.address, status=2)
+    assert "needs certificates: give --tls-ca" in said and len(said.strip().splitlines()) == 1
+    for refused in (("campaign", file, "--out", out, "--scheduler", there.address.replace("tls", "tcp")),
                     words(there.address, *stranger)):
         said = ahv(*refused, status=1)
         assert "There is no Dask scheduler at" in said and len(said.strip().splitlines()) == 1
@@ -212,6 +213,24 @@ def test_a_cluster_with_tls_takes_who_has_the_files(hosts, tmp_path):
 ])
 def test_tls_options_that_make_no_sense_are_refused(tmp_path, words, sentence):
     assert sentence in ahv("campaign", written(tmp_path), "--out", tmp_path / "out", *words, status=2)
+
+
+@pytest.mark.parametrize("address, sentence", [
+    ("tls://127.0.0.1:9", "needs certificates"), ("wss://127.0.0.1:9", "needs certificates"),
+    ("ucx://127.0.0.1:9", "cannot be reached from here"), ("foo://x:1", "cannot be reached from here"),
+    *((word, "is not an address") for word in ("", " ", "tcp://", "tcp://host", "127.0.0.1", ":1", "tcp://:80",
+                                               "tcp://host:0", "tcp://host:99999", "host:²", "host:-1", "host:1x")),
+])
+def test_an_address_that_cannot_be_one_is_refused_at_once(address, sentence):
+    with pytest.raises(UsageError, match=sentence), cluster.remote(address, None):
+        pass
+
+
+def test_a_scheduler_that_does_not_answer_is_said_with_the_time_that_it_had(monkeypatch):
+    monkeypatch.setattr(cluster, "ANSWER_S", 0.2)
+    with pytest.raises(RunError, match="There is no Dask scheduler at tcp://127.0.0.1:9 .* after 0.2 s"):
+        with cluster.remote("tcp://127.0.0.1:9", None):
+            pass
 
 
 def test_tls_files_that_cannot_be_used_are_refused(tmp_path):

@@ -14,6 +14,7 @@ from cosim.campaign.plan import key_of, load
 from cosim.campaign.resume import prepare
 from cosim.campaign.store import Store
 from cosim.errors import RunError, UsageError
+from cosim.master.folder import claimed
 
 BAD = 4  # the first run of the task that is damaged
 
@@ -119,6 +120,19 @@ def test_a_broken_campaign_json_is_named_and_written_anew(flown, request, state,
     said, = prepare(store, True, "text")
     assert "campaign.json was missing or damaged" in said
     assert store.head.read_bytes() == before and (store.complete or sorted(store.done) == [0, 2, 4, 6])
+
+
+@pytest.mark.parametrize("state", ["parts", "done"])
+def test_a_folder_without_its_campaign_json_is_still_a_campaigns(request, state):
+    store = request.getfixturevalue(state)
+    with claimed(store.folder, "campaign", ""):
+        pass
+    store.head.unlink()
+    for _ in range(2):  # the first does not give it up
+        with claimed(store.folder, "campaign", ""):
+            pass
+    with pytest.raises(UsageError, match="holds a campaign"), claimed(store.folder, "run", ""):
+        pass
 
 
 def test_a_broken_campaign_json_and_receipts_of_another_campaign_are_refused(parts):

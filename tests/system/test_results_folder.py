@@ -15,10 +15,11 @@ import pyarrow.parquet
 import pytest
 
 from cosim.cli import show
+from cosim.cli.options import place
 from cosim.errors import RunError, UsageError
 from cosim.master import publish as publishing
-from cosim.master.folder import claimed
-from cosim.master.publish import KINDS, publish
+from cosim.master.folder import claimed, expanded
+from cosim.master.publish import KINDS, OWN, ROWS, publish
 from cosim.master.system import Component, System
 from cosim.ssp.write import write as write_ssp
 from cosim.systems.simulate import simulate
@@ -166,6 +167,30 @@ def test_the_home_folder_is_meant_in_one_place(work, tmp_path, monkeypatch):
     assert [path.name for path in tmp_path.iterdir()] == ["home"]
     with pytest.raises(UsageError, match="no such home folder"):
         run("hold", stop=0.1, out=Path("~nobody_here/x"))
+
+
+@pytest.mark.parametrize("word, path", [("~/x", "home/x"), ("./~/x", "here/~/x"), ("x/~", "x/~"),
+                                        ("~nobody_here/x", "")])
+def test_a_folder_called_tilde_is_not_the_home_folder(word, path, tmp_path, monkeypatch):
+    (tmp_path / "here").mkdir()
+    monkeypatch.setenv("HOME", str(tmp_path / "home"))
+    monkeypatch.chdir(tmp_path / "here")
+    if path:
+        expected = tmp_path / path if "e/" in path else Path(path)
+        assert place(word) == expected == expanded(place(word))
+    else:
+        with pytest.raises(UsageError, match="no such home folder"):
+            place(word)
+
+
+def test_a_stream_that_a_signal_ended_gets_no_figures(tmp_path):
+    with claimed(tmp_path, "run", "") as folder:
+        rows = folder / OWN / ROWS
+        rows.write_bytes(b"rows")
+        done = publish(folder, "run", {}, lambda place: (place / "signals.parquet").write_text("new"),
+                       [lambda place: pytest.fail("It was begun.")], rows=rows, interrupted=signal.SIGTERM)
+    assert done.trouble.endswith("interrupted: only signals.parquet and run.json could be written.")
+    assert (tmp_path / "signals.parquet").read_text() == "new" and not rows.exists()
 
 
 # What a program that is ended leaves. The former results have files a and b, the new ones a and c.

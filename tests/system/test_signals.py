@@ -16,8 +16,12 @@ import psutil
 import pyarrow.parquet
 import pytest
 import small
+from campaigns import written
 from places import AHV
 
+from cosim.campaign.plan import load
+from cosim.campaign.resume import prepare
+from cosim.campaign.store import Store
 from cosim.ssp.write import write
 
 TAG = "AHV_TEST_TAG"
@@ -37,6 +41,7 @@ def files(tmp_path_factory):
                                ("hang_init", {}, 1.0), ("hang_terminate", {}, 1.0)):
         fault = small.FAULTS.index(name if name in small.FAULTS else "none")
         write(folder / f"{name}.ssp", name, small.pair(fmu, fault=fault, **values), 0.01, stop)
+    written(folder / "campaign", runs=40, stop=40, runs_per_task=1)
     return folder
 
 
@@ -55,8 +60,12 @@ class Command:
     def end(self, number: int) -> tuple[int, str]:
         """Send the signal; the exit status, and what was said on stderr."""
         self.process.send_signal(number)
-        _, said = self.process.communicate(timeout=LIMIT_S)
+        self.answer, said = self.process.communicate(timeout=LIMIT_S)
         return self.process.returncode, said
+
+    def had_answered(self) -> bool:
+        """Whether the work was done when the signal came: the one JSON object is on stdout."""
+        return self.process.returncode in (0, 1) and isinstance(json.loads(self.answer), dict)
 
     def alive(self) -> list[str]:
         """The command lines of tagged processes, as soon as there are none or after LIMIT_S."""
@@ -89,10 +98,11 @@ def commands(native_fmus, files):
         "simulate": ("simulate", files / "slow.ssp"),
         "simulate-stream": ("simulate", files / "slow.ssp", "--stream"),
         "check": ("check", native_fmus["AhvPlant"]),
+        "campaign": ("campaign", files / "campaign" / "campaign.yaml", "--workers", "2"),
     }
 
 
-NAMES = ["run", "stream", "isolate", "python", "compare", "simulate", "simulate-stream", "check"]
+NAMES = ["run", "stream", "isolate", "python", "compare", "simulate", "simulate-stream", "check", "campaign"]
 
 
 def consistent(out: Path) -> None:
@@ -104,14 +114,19 @@ def consistent(out: Path) -> None:
         assert table.num_rows == record["ticks"] + 1 and len(table.column_names) == len(record["signals"]) + 1
 
 
+def resumable(out: Path, file: Path) -> None:
+    """Nothing of the campaign's is damaged: --resume would go on with all that is there."""
+    store = Store(out, load(file))
+    assert not out.exists() or prepare(store, True, file.read_text()) == []
+
+
 def interrupted_at(moment: float, number: int, words, folder: Path) -> None:
     """Start a command, send it a signal after `moment` seconds, and look at what is left."""
     command = Command(folder, *words)
     time.sleep(moment)
-    gone = command.process.poll() is not None
     status, said = command.end(number)
     early = "init_import_site" in said  # before Python itself had begun
-    assert status in ENDS[number] or (gone and status in (0, 1)) or early, (status, said)
+    assert status in ENDS[number] or early or command.had_answered(), (status, said)
     assert "Traceback" not in said or status == -number or early, said
     assert command.alive() == []
     if number != signal.SIGKILL:
@@ -121,6 +136,9 @@ def interrupted_at(moment: float, number: int, words, folder: Path) -> None:
         subprocess.run([AHV, "info", words[1] if words[0] == "check" else small.build(folder)], check=True,
                        env=command.environment, stdout=subprocess.DEVNULL)
         assert command.left() == []
+    if words[0] == "campaign":
+        resumable(command.out, words[1])
+    elif number == signal.SIGKILL:
         if words[0] in ("run", "simulate") and command.out.exists():
             done = subprocess.run([AHV, "recover", command.out], env=command.environment, capture_output=True,
                                   text=True)

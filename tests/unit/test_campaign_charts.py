@@ -4,8 +4,10 @@ from types import SimpleNamespace
 import numpy as np
 import pyarrow as pa
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 
-from cosim.campaign.charts import drivers, envelopes, histograms, over_time, probability, scatter, wide
+from cosim.campaign.charts import drivers, envelopes, histograms, over_time, probability, scatter, short, wide
 from cosim.campaign.statistics import Results
 from cosim.vehicle.metrics import HEADLINES, METRICS, OVER_TIME
 
@@ -128,3 +130,11 @@ def test_a_scatter_has_a_panel_for_each_of_the_twelve_strongest_drivers(draws, s
     axes = scatter(made, names, "altitude_error_ft.max_abs").axes
     assert len(axes) == columns and sum(axis.get_visible() for axis in axes) == shown
     assert [axis.get_xlabel() for axis in axes[:shown]] == list(made.drivers(names, HEADLINES[0]))[:shown]
+
+
+def test_a_variable_with_dollar_signs_is_no_formula():
+    made = Figure()
+    FigureCanvasAgg(made)
+    made.subplots().set_xlabel(short(r"scenario.plant.$\frac$"))
+    made.canvas.draw()
+    assert made.axes[0].get_xlabel() == r"plant.\$\frac\$"

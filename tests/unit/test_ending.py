@@ -62,3 +62,20 @@ def test_a_signal_that_is_ignored_stays_ignored():
     done = subprocess.run([sys.executable, "-c", f"{BEGIN}with ending(): signal.raise_signal(signal.SIGHUP)"],
                           preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN), env=os.environ)
     assert done.returncode == 0
+
+
+@pytest.mark.parametrize("name, status", [("SIGTERM", 143), ("SIGINT", 130)])
+def test_a_call_that_does_not_come_back_is_ended_and_its_temporary_folder_goes(name, status, tmp_path, monkeypatch):
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
+    code = ("import ctypes, threading\nfrom cosim.cli import ending as it\nfrom cosim.temporary import Folder\n"
+            "it.PATIENCE_S = 0.2\nfolder, lock = Folder(), ctypes.create_string_buffer(256)\n"
+            f"threading.Timer(0.5, os.kill, (os.getpid(), signal.{name})).start()\n"
+            "with it.ended_in_any_case():\n"
+            "    for _ in range(2): ctypes.CDLL(None).pthread_mutex_lock(lock)")
+    assert program(code) == (status, "") and list(tmp_path.iterdir()) == []
+
+
+def test_what_was_wired_for_signals_before_is_there_afterwards():
+    code = ("from cosim.cli.ending import ended_in_any_case\nhere, there = os.pipe()\nos.set_blocking(there, False)\n"
+            "signal.set_wakeup_fd(there)\nwith ended_in_any_case(): pass\nprint(signal.set_wakeup_fd(-1) == there)")
+    assert program(code) == (0, "True\nafter\n")
