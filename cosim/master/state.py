@@ -115,8 +115,7 @@ def keep_state(path: Path, master: Master, flight: "Flight", start: float, step:
     try:
         write_state(path, master, start, step, algorithm, first + flight.ticks)
     except RunError as error:
-        flight.finished = False
-        flight.message = f"{flight.message.rstrip('.')}; {error}" if flight.message else str(error)
+        flight.fail(str(error))
 
 
 def as_bytes(text: str) -> np.ndarray:

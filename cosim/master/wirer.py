@@ -66,7 +66,7 @@ class Wirer:
         if v.family != "String":
             self.holder.append(number)
             self.nominal.append(abs(v.nominal or 1.0))
-            self.smooth.append(v.family == "Real" and v.variability == "continuous")
+            self.smooth.append(v.smooth)
         return places.setdefault(f"{self.instances[number].name}.{v.name}{remark}", len(places))
 
     def add_groups(self, number: int) -> None:

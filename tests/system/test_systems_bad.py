@@ -9,7 +9,7 @@ import small
 import ssp_files
 
 from cosim.errors import RunError, UsageError
-from cosim.master.flight import fly
+from cosim.master.fly import fly
 from cosim.master.state import read_state
 from cosim.master.system import Component, System
 from cosim.master.table import read_table
