@@ -26,7 +26,7 @@ def ours(ssp: Path, step: float, ticks: int) -> dict[str, float]:
     from cosim.master import program as P
     from cosim.master.algorithms import method
     from cosim.master.algorithms.base import Experiment
-    from cosim.master.flight import fly
+    from cosim.master.fly import fly
     from cosim.master.loaded import Master, open_files
     from cosim.master.recording import CHUNK_ROWS, Recorder
     from cosim.ssp.load import load_ssp

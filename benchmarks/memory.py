@@ -18,7 +18,7 @@ def fly_once(ticks: int, folder: Path) -> dict[str, float]:
     import pyarrow.parquet
     import small
 
-    from cosim.master.flight import fly
+    from cosim.master.fly import fly
 
     system = small.pair(small.build(folder), a22=0.0)
     flight = fly(system, 0.001, ticks * 0.001, "jacobi", stream=folder / "signals.parquet")

@@ -20,7 +20,7 @@ sys.path[:0] = [str(HERE), str(HERE.parent / "tests")]
 import oracle  # noqa: E402
 import small  # noqa: E402
 
-from cosim.master.flight import fly  # noqa: E402
+from cosim.master.fly import fly  # noqa: E402
 from cosim.vehicle import scenarios  # noqa: E402
 from cosim.vehicle.closed_loop import assignments, closed_loop  # noqa: E402
 

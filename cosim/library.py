@@ -22,7 +22,8 @@ def fly(system: System, step: float | None = None, stop: float | None = None, *,
         record: Sequence[str] | None = None, decimate: int = 1, progress: "bool | Progress" = True,
         isolate: bool = False, time_limit: float | None = None, real_time: float | None = None,
         stream: str | PathLike[str] | None = None, save: str | PathLike[str] | None = None,
-        restore: str | PathLike[str] | None = None, plain: bool = False) -> "Flight":
+        restore: str | PathLike[str] | None = None, plain: bool = False,
+        inputs: str | PathLike[str] | None = None) -> "Flight":
     """Fly `system` from `start` to `stop` (s) in communication steps of `step` (s); by default what its file suggests.
 
     tolerance   the relative one that the FMUs are asked to keep; None for what each declares in its default experiment
@@ -39,6 +40,7 @@ def fly(system: System, step: float | None = None, stop: float | None = None, *,
     save        write the state of the flight at its stop to this file; all FMUs must be able to write down theirs
     restore     go on from a state that was saved in this file, with its values and in its steps
     plain       tick in plain Python, not in compiled code
+    inputs      a CSV or Parquet file of inputs over time: a column `time` (s), and one for each input
 
     Returns a Flight: `flight["component.variable"]` has shape (rows,) and the unit that the FMU declares,
     `flight.time` has shape (rows,), s. An FMU that refuses a step, and Ctrl-C, end the flight early: what was flown is
@@ -70,13 +72,15 @@ def fly(system: System, step: float | None = None, stop: float | None = None, *,
 
     from .master.isolated import launch
     from .master.progress import progress_bar
+    from .master.table import read_table
 
     title = ", ".join(component.name for component in system.components)
     bar, tell = progress_bar(title, stop) if progress is True else (None, progress or None)
     options: dict[str, Any] = {"start": start, "tolerance": tolerance,
                                "record": None if record is None else list(record), "decimate": decimate,
                                "real_time": real_time, "plain": plain, "stream": file,
-                               "save": None if save is None else as_path(save).absolute(), "restore": state}
+                               "save": None if save is None else as_path(save).absolute(), "restore": state,
+                               "inputs": None if inputs is None else read_table(inputs)}
     try:
         with bar or nullcontext():
             return launch(system, step, stop, algorithm, tell, isolate, time_limit, **options)

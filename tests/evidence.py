@@ -6,8 +6,9 @@ from types import SimpleNamespace
 import numpy as np
 
 from cosim.master.algorithms import method
-from cosim.master.flight import Flight, fly_loaded, tick_count
-from cosim.master.flight import fly as fly_system
+from cosim.master.flight import Flight
+from cosim.master.fly import fly as fly_system
+from cosim.master.fly import fly_loaded, tick_count
 from cosim.master.loaded import Master, open_files
 from cosim.master.system import System
 from cosim.vehicle import scenarios

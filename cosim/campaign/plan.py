@@ -11,7 +11,7 @@ from typing import Any
 from ..errors import UsageError
 from ..master.algorithms import method
 from ..master.connections import checked_connections, recorded_names
-from ..master.flight import tick_count
+from ..master.fly import tick_count
 from ..master.loaded import open_files
 from ..master.system import System, Value
 from ..vehicle import scenarios

@@ -1,5 +1,4 @@
 """What a Dask worker does: it keeps FMU files by their hash, keeps systems loaded, and flies batches of runs."""
-import errno
 import faulthandler
 import hashlib
 import os
@@ -17,10 +16,12 @@ from distributed.diagnostics.plugin import WorkerPlugin
 
 from ..errors import RunError, UsageError
 from ..master.algorithms import method
-from ..master.flight import Flight, fly_loaded
+from ..master.flight import Flight
+from ..master.fly import fly_loaded
 from ..master.loaded import Master, open_files
 from ..master.system import System, Value
 from ..master.whole_file import whole
+from ..temporary import FULL
 from ..vehicle.metrics import OVER_TIME, measured
 from ..vehicle.signals import course
 from .code import CODE, differences
@@ -226,7 +227,7 @@ class LoadedSystems:
 def disk_is_full(error: BaseException | None) -> bool:
     """Whether an error, or what led to it, is that of a full disk: our trouble, not the run's."""
     while error is not None:
-        if isinstance(error, OSError) and error.errno in (errno.ENOSPC, errno.EDQUOT):
+        if isinstance(error, OSError) and error.errno in FULL:
             return True
         error = error.__context__
     return False

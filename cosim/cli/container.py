@@ -29,7 +29,7 @@ def container(
                                              help="File; else results/SYSTEM.fmu.")] = None,
 ) -> None:
     """Write a system as one FMU, which exchanges values as the algorithm jacobi does."""
-    from ..master.flight import tick_count
+    from ..master.fly import tick_count
     from ..ssp.container import write_container
     from ..systems.load import load_system
     from ..systems.system_file import is_system_file

@@ -26,7 +26,7 @@ def ssp(
     out: Annotated[Path | None, typer.Option(metavar="FILE", parser=place, help="File; else results/NAME.ssp.")] = None,
 ) -> None:
     """Write the closed loop, or any system, as SSP 1.0, for any tool that reads it."""
-    from ..master.flight import tick_count
+    from ..master.fly import tick_count
     from ..ssp.write import write
     from ..systems.load import load_system
     from ..systems.system_file import is_system_file

@@ -1,4 +1,4 @@
-"""Conformance of any FMI 2.0 co-simulation FMU to the specification FMI 2.0.x, static and dynamic.
+"""Conformance of any FMI 2.0 or 3.0 co-simulation FMU to the specification of its version, static and dynamic.
 
     report = check(Path("some.fmu"))
     rich.print(report_module.findings_table(report))        # cosim.conformance.report
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 def check(path: Path, dynamic: bool = True, time_limit: float = 30.0, cycles: int = 200,
           limits: "Limits | None" = None) -> "Report":
-    """Check one FMU against the rules of FMI 2.0.x (sections 2.1 to 2.3 and 4.1 to 4.3).
+    """Check one FMU against the rules of FMI 2.0.x (sections 2.1 to 2.3 and 4.1 to 4.3) or FMI 3.0.x (2 and 4).
 
     `dynamic` also runs the FMU, in child processes, in a sandbox where the machine has one (`Report.sandbox`).
     `time_limit` is how many seconds a single call of the FMU may take before it counts as hanging; `limits` has all

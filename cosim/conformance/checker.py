@@ -35,6 +35,7 @@ def check(path: Path, run_probes: bool, limits: Limits, cycles: int) -> Report:
             report.add(problem.rule, Fault(report.fmu.name, str(problem), "an FMU that can be unpacked"))
             return report
         except Unusable as problem:
+            report.fmi_version = problem.version
             report.add(problem.rule, problem.fault)
             return report
         check_static(fmu, report)

@@ -15,7 +15,7 @@ from .confined import guarded
 from .fmi2 import DISCARD, FATAL, PENDING, Mark
 from .job import Job
 from .probes.bench import Bench
-from .probes.registry import FLYING, PROBES, CallFailed, EndedItself, NoInstance
+from .probes.registry import FLYING, PROBES, CallFailed, EndedItself, NoInstance, Stopped
 
 LACKING = r"cannot open shared object file|version `.*' not found"  # what dlopen says of other libraries
 LICENCE = r"licen[cs]e"
@@ -64,6 +64,8 @@ def run_probe(bench: Bench, name: str) -> None:
         PROBES[name].run(bench)
     except CallFailed as failure:
         report_failure(bench, name, failure)
+    except Stopped:
+        pass
     except EndedItself as ended:
         bench.skip(name, str(ended))
     except NoInstance:

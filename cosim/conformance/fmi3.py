@@ -58,7 +58,8 @@ class Library3(Library):
         super().__init__(file, mark)
         self.counts = counts
         self.logger3 = LOGGER(lambda environment, status, category, message: self.take_message(
-            environment, self.names.get(environment or 0, "").encode(), status, category, message))
+            environment, self.names.get(environment or 0, self.names.get(self.made, "")).encode(), status, category,
+            message))
 
     def instantiate(self, name: str, guid: str, resources: str, logging_on: bool = False,
                     event_mode: bool = False) -> "Instance3 | None":
@@ -191,10 +192,6 @@ class Instance3(Instance):
         count = self.count([reference])
         return self.call("GetOutputDerivatives", (c_uint * 1)(reference), 1, (ctypes.c_int32 * 1)(1),
                          (c_double * count)(), count)
-
-    def last_successful_time(self) -> tuple[int, float]:
-        """The time (s) that fmi3DoStep told."""
-        return OK, self.reached
 
     def set_debug_logging(self, on: bool, categories: Sequence[str]) -> int:
         """fmi3SetDebugLogging; its status."""

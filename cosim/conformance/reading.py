@@ -13,10 +13,11 @@ SCHEMAS = {False: "fmi2/fmi2ModelDescription.xsd", True: "fmi3/fmi3ModelDescript
 
 
 class Unusable(Exception):
-    """The FMU cannot be judged any further; carries the rule and the fault that say why."""
+    """The FMU cannot be judged any further; carries the rule and the fault that say why, and whose section asks."""
 
-    def __init__(self, rule: str, fault: Fault):
+    def __init__(self, rule: str, fault: Fault, version: str = "2.0"):
         super().__init__(fault.found)
+        self.version = version
         self.rule = rule
         self.fault = fault
 
@@ -31,7 +32,8 @@ def read(path: Path, folder: Path, members: list[str]) -> Fmu:
         raise Unusable("xml.well-formed", Fault("modelDescription.xml", str(problem), "well-formed XML")) from None
     version = root.get("fmiVersion")
     if root.tag == "fmiModelDescription" and version is not None and not re.fullmatch(CHECKED, version.strip()):
-        raise Unusable("xml.fmi-version", Fault("fmiVersion", f"'{version}'", "'2.0' or '3.0'"))
+        asking = "3.0" if version.strip().startswith("3.") else "2.0"
+        raise Unusable("xml.fmi-version", Fault("fmiVersion", f"'{version}'", "'2.0' or '3.0'"), asking)
     description = Description(root)
     return Fmu(path, folder, members, description, encoding, schema_faults(root, SCHEMAS[description.flat]))
 

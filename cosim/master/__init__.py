@@ -10,6 +10,8 @@
     program       what a tick does, as rows of numbers  loop_plain, loop_compiled   what carries programs out
     algorithms    Jacobi, Gauss-Seidel and others       loaded        a loaded system: initialise, run programs, reset
     flight        from start to stop                    recording     rows into memory or a Parquet file
+    table         inputs over time                      look_up       what a table has at a tick, for the loops
+    state         a flight saved and gone on from       ssp2          SSP 2.0 in the words of 1.0
     pace          real time                             isolated      a flight in a process of its own
     last_call     the current FMU call, for `isolated`  results       a flight written to a folder
     standards     what differs between versions of FMI  fmi2, fmi3    each of them

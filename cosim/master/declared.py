@@ -89,6 +89,11 @@ class Variable:
         return self.attributes.get("variability", "continuous")
 
     @property
+    def smooth(self) -> bool:
+        """Whether it is a real number that may change at any time."""
+        return self.family == "Real" and self.variability == "continuous"
+
+    @property
     def initial(self) -> str | None:
         """`initial` as given, or else the default of the table in section 2.2.7."""
         allowed = INITIAL.get((self.variability, self.causality), ())

@@ -19,7 +19,8 @@ from ..errors import Interrupted, RunError, UsageError
 from ..temporary import Folder
 from . import last_call
 from . import program as P
-from .flight import Flight, MakeRecorder, fly, known_of, make_recorder, row_count, take_rows
+from .flight import Flight
+from .fly import MakeRecorder, fly, known_of, make_recorder, row_count, take_rows
 from .guard import LOOK_S, Guarded
 from .interruptions import interruptions
 from .progress import Progress
@@ -60,7 +61,7 @@ class Sender(Recorder):
 
 def fly_isolated(system: System, step: float, stop: float, algorithm: str, progress: Progress | None = None,
                  time_limit: float | None = None, stream: Path | None = None, **options: Any) -> Flight:
-    """`flight.fly` in a process of its own. An FMU call that takes longer than `time_limit` (s) ends the flight; a
+    """`fly.fly` in a process of its own. An FMU call that takes longer than `time_limit` (s) ends the flight; a
     signal ends it within GRACE_S, in whatever call it is.
 
     Raises what `fly` raises; RunError also for a crash or a hang before the first tick, Interrupted for a signal then.
@@ -237,7 +238,7 @@ def cause_of_death(status: int) -> str:
 
 def launch(system: System, step: float, stop: float, algorithm: str = "gauss-seidel", progress: Progress | None = None,
            isolate: bool = False, time_limit: float | None = None, **options: Any) -> Flight:
-    """`flight.fly`, in a process of its own if `isolate` or with a `time_limit` (s). Raises what those raise."""
+    """`fly.fly`, in a process of its own if `isolate` or with a `time_limit` (s). Raises what those raise."""
     if isolate or time_limit is not None:
         return fly_isolated(system, step, stop, algorithm, progress, time_limit, **options)
     return fly(system, step, stop, algorithm, progress, **options)

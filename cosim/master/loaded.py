@@ -19,7 +19,8 @@ from .instance import Instance
 from .look_up import Place
 from .system import System, Value
 from .table import Table, inputs_of
-from .wiring import LONGEST_TEXT, Signal, Wirer, Wiring
+from .wirer import Wirer
+from .wiring import LONGEST_TEXT, Signal, Wiring
 
 OF_GROUPS = (P.SET, P.PREDICT, P.SLOPE, P.GET, P.OFFER)
 CALLS = {P.SET: "Set{}", P.PREDICT: "Set{}", P.SLOPE: "SetRealInputDerivatives", P.GET: "Get{}", P.OFFER: "Set{}",

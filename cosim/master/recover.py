@@ -8,7 +8,8 @@ from typing import Any, TypeVar
 import numpy as np
 
 from ..errors import RunError, UsageError
-from .flight import Flight, take_rows
+from .flight import Flight
+from .fly import take_rows
 from .folder import claimed, expanded
 from .publish import OWN, REQUEST, ROWS, read
 from .recording import Thinned, batches

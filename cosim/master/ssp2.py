@@ -2,10 +2,9 @@
 
 Left out is what says nothing about a flight: meta data, signatures, variants, where things are drawn.
 """
+from itertools import product
 from math import prod
 from typing import Any
-
-import numpy as np
 
 from ..errors import UsageError
 
@@ -60,7 +59,7 @@ def expand(parameter: Node) -> None:
         raise UsageError(f"The parameter {name} has {len(texts)} values for {' x '.join(map(str, shape))} elements.")
     parent, place = parameter.getparent(), parameter.getparent().index(parameter)
     parent.remove(parameter)
-    for i, (indices, text) in enumerate(zip(np.ndindex(*shape), texts)):
+    for i, (indices, text) in enumerate(zip(product(*map(range, shape)), texts)):
         one = parent.makeelement(parameter.tag, {"name": f"{name}[{','.join(str(k + 1) for k in indices)}]"})
         unit = {"unit": values.get("unit")} if values.get("unit") else {}
         one.append(one.makeelement(values.tag, {"value": text, **unit}))

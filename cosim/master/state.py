@@ -6,15 +6,18 @@ import zlib
 from dataclasses import dataclass, field
 from os.path import isfile
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..errors import UsageError
+from ..errors import RunError, UsageError
 from .algorithms import Method
 from .algorithms.base import Even
 from .loaded import Master
 from .whole_file import whole
+
+if TYPE_CHECKING:
+    from .flight import Flight
 
 KIND = "state of a flight of ahv 1"  # the version of the file
 
@@ -105,6 +108,15 @@ def write_state(path: Path, master: Master, start: float, step: float, algorithm
     np.savez(content, allow_pickle=False, **arrays)
     with whole(path) as partial:
         partial.write_bytes(content.getvalue())
+
+
+def keep_state(path: Path, master: Master, flight: "Flight", start: float, step: float, algorithm: str, first: int
+               ) -> None:
+    """Write the state at the end of a flight, which has failed if it finds no room or an FMU refuses."""
+    try:
+        write_state(path, master, start, step, algorithm, first + flight.ticks)
+    except RunError as error:
+        flight.fail(str(error))
 
 
 def as_bytes(text: str) -> np.ndarray:

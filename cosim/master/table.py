@@ -16,6 +16,7 @@ import numpy as np
 from ..errors import UsageError, did_you_mean
 from .declared import NUMERIC, Variable
 from .fmu import FmuFile
+from .quantities import is_number
 from .system import Connection, Value, as_path
 
 TIME = "time"
@@ -121,7 +122,7 @@ def numbers(column: Any, name: str, path: Path) -> np.ndarray:
     kind = column.type
     if not (pa.types.is_integer(kind) or pa.types.is_floating(kind) or pa.types.is_boolean(kind)):
         texts = column.to_pylist()
-        row = next((i for i, x in enumerate(texts) if not is_number(x)), 0)
+        row = next((i for i, x in enumerate(texts) if not is_number(str(x))), 0)
         raise UsageError(f"{path}: {name} in row {row + 1} is {texts[row]!r}; it must be a number.")
     empty = np.flatnonzero(column.is_null().to_numpy())
     if len(empty):
@@ -132,15 +133,6 @@ def numbers(column: Any, name: str, path: Path) -> np.ndarray:
         row = int(odd[0])
         raise UsageError(f"{path}: {name} in row {row + 1} is {values[row]}; it must be a finite number.")
     return np.ascontiguousarray(values)
-
-
-def is_number(value: object) -> bool:
-    """Whether a cell has a number, as text or not."""
-    try:
-        float(value)  # type: ignore[arg-type]
-    except (TypeError, ValueError):
-        return False
-    return True
 
 
 def inputs_of(table: Table, files: Mapping[str, FmuFile], targets: Mapping[str, Connection]) -> Inputs:
@@ -166,19 +158,14 @@ def inputs_of(table: Table, files: Mapping[str, FmuFile], targets: Mapping[str, 
         component, _, variable = full.partition(".")
         check_values(table, column, values, files[component], variable, component)
         names.append(full)
-        held.append(not interpolated(files[component].variables[variable]))
+        held.append(not files[component].variables[variable].smooth)
     rows = np.ascontiguousarray(np.column_stack(list(table.values.values())))
     return Inputs(table.times, names, rows, np.array(held, bool))
 
 
-def interpolated(variable: Variable) -> bool:
-    """Whether an input runs straight between two rows."""
-    return variable.family == "Real" and variable.variability == "continuous"
-
-
 def check_values(table: Table, column: str, values: np.ndarray, file: FmuFile, variable: str, component: str) -> None:
     """Raises UsageError, with the row, for a value that the input does not take."""
-    for value in np.unique(values) if not interpolated(file.variables[variable]) else (values.min(), values.max()):
+    for value in np.unique(values) if not file.variables[variable].smooth else (values.min(), values.max()):
         try:
             file.checked(variable, as_value(float(value), file.variables[variable]), component)
         except UsageError as error:

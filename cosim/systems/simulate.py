@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import UsageError
-from ..master.flight import Flight, tick_count
+from ..master.flight import Flight
+from ..master.fly import tick_count
 from ..master.folder import claimed
 from ..master.interruptions import interruptions
 from ..master.isolated import fly_isolated

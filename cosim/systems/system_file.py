@@ -22,7 +22,7 @@ from .. import names
 from ..errors import UsageError, did_you_mean
 from ..master.algorithms import method
 from ..master.connections import checked_connections
-from ..master.flight import tick_count
+from ..master.fly import tick_count
 from ..master.fmu import FmuFile
 from ..master.quantities import between, conversion
 from ..master.system import Component, Connection, System, Value

@@ -41,7 +41,7 @@ def run(scenario: str | Scenario, controller: str = "neural", preset: Mapping[st
     or component -> name. `values` are set last: component -> variable -> value. `step`, `stop` are in s. The results
     go to `out`, else to results/run/SCENARIO. `record` picks the signals, as patterns of component.variable (none: all
     outputs); metrics and figures whose signals are left out are left out, too. Other arguments are those of
-    `master.flight.fly`.
+    `master.fly.fly`.
 
     Raises UsageError for what cannot be flown, RunError if an FMU does not start. A flight that ends early is a
     result: `flight.finished` is False and `flight.message` says why. After a signal there are no figures and

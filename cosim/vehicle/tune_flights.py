@@ -9,7 +9,8 @@ import numpy as np
 
 from ..errors import RunError
 from ..master.algorithms import method
-from ..master.flight import Flight, fly_loaded, tick_count
+from ..master.flight import Flight
+from ..master.fly import fly_loaded, tick_count
 from ..master.loaded import Master, open_files
 from ..master.system import System, Value
 from .closed_loop import Values, merged

@@ -228,8 +228,8 @@ def test_an_address_that_cannot_be_one_is_refused_at_once(address, sentence):
 
 def test_a_scheduler_that_does_not_answer_is_said_with_the_time_that_it_had(monkeypatch):
     monkeypatch.setattr(cluster, "ANSWER_S", 0.2)
-    said = r"There is no Dask scheduler at tcp://127\.0\.0\.1:9 .* after 0\.2 s"
-    with pytest.raises(RunError, match=said), cluster.remote("tcp://127.0.0.1:9", None):
+    sentence = r"There is no Dask scheduler at tcp://127\.0\.0\.1:9 .* after 0\.2 s"
+    with pytest.raises(RunError, match=sentence), cluster.remote("tcp://127.0.0.1:9", None):
         pass
 
 

@@ -6,7 +6,7 @@ import small
 
 from cosim.campaign.worker import LoadedSystems
 from cosim.master.algorithms import method
-from cosim.master.flight import fly_loaded
+from cosim.master.fly import fly_loaded
 
 
 @pytest.mark.parametrize("claims,kept", [((), [1, 2, 2]), (("canBeInstantiatedOnlyOncePerProcess",), [1, 1, 1])])

@@ -5,7 +5,7 @@ from altered import redescribed
 
 import cosim
 from cosim.errors import RunError, UsageError
-from cosim.master.flight import fly
+from cosim.master.fly import fly
 from cosim.master.system import Component, Connection, System
 
 UNITS = ('<UnitDefinitions><Unit name="K"><BaseUnit K="1"/><DisplayUnit name="degC" offset="-273.15"/></Unit>'

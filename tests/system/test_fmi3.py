@@ -9,7 +9,7 @@ import small3
 from cosim import info
 from cosim.errors import RunError, UsageError
 from cosim.master.algorithms.base import turn
-from cosim.master.flight import fly
+from cosim.master.fly import fly
 from cosim.master.isolated import fly_isolated
 from cosim.master.loaded import Master, open_files
 from cosim.master.program import program

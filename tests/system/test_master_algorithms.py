@@ -7,7 +7,7 @@ import small
 from scipy.linalg import expm
 
 from cosim.errors import UsageError
-from cosim.master.flight import fly
+from cosim.master.fly import fly
 from cosim.master.system import Component, Connection, System
 
 STOP = 2.0

@@ -11,7 +11,7 @@ from altered import redescribed
 from cosim.errors import RunError, UsageError
 from cosim.master import last_call, loop_compiled, program
 from cosim.master.algorithms import method
-from cosim.master.flight import fly, fly_loaded
+from cosim.master.fly import fly, fly_loaded
 from cosim.master.fmu import FmuFile
 from cosim.master.instance import ONLY_ONE, Instance
 from cosim.master.isolated import fly_isolated

@@ -13,7 +13,7 @@ from places import AHV
 from cosim.errors import UsageError
 from cosim.master import isolated as isolated_module
 from cosim.master import last_call, loaded
-from cosim.master.flight import fly
+from cosim.master.fly import fly
 from cosim.master.isolated import Parent, cause_of_death, fly_isolated
 from cosim.master.system import System
 from cosim.ssp.write import write

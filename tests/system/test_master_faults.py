@@ -10,7 +10,7 @@ import small
 
 from cosim.errors import RunError, UsageError
 from cosim.master.algorithms import method
-from cosim.master.flight import fly, fly_loaded
+from cosim.master.fly import fly, fly_loaded
 from cosim.master.isolated import fly_isolated
 from cosim.master.loaded import Master, open_files
 from cosim.temporary import PREFIX

@@ -5,7 +5,7 @@ import pytest
 import small
 
 from cosim.errors import RunError
-from cosim.master.flight import fly
+from cosim.master.fly import fly
 from cosim.master.system import Component, Connection, System
 
 

@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 import small
 
-from cosim.master.flight import fly
+from cosim.master.fly import fly
 from cosim.master.fmu import FmuFile
 from cosim.master.system import Component
 from cosim.vehicle.closed_loop import wired

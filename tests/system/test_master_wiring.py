@@ -11,7 +11,7 @@ import pytest
 import small
 
 from cosim.errors import RunError, UsageError
-from cosim.master.flight import fly
+from cosim.master.fly import fly
 from cosim.master.recording import CHUNK_ROWS, Stream
 from cosim.master.system import Component, Connection, System
 from cosim.master.wiring import Signal

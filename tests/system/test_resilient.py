@@ -6,7 +6,7 @@ from law_studies import LAG, PARTS, STRUCTURES, apart, flights, independent, mod
 from scipy.stats import binomtest
 from studies import NOISE
 
-from cosim.master.flight import fly as fly_system
+from cosim.master.fly import fly as fly_system
 from cosim.vehicle import scenarios
 from cosim.vehicle.closed_loop import closed_loop
 from cosim.vehicle.linearize import linearize

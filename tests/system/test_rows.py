@@ -7,7 +7,7 @@ import pytest
 from evidence import system
 
 from cosim.campaign.worker import errors_over_time
-from cosim.master.flight import fly
+from cosim.master.fly import fly
 from cosim.vehicle.metrics import measured
 from cosim.vehicle.run import run
 from cosim.vehicle.signals import reference

@@ -4,7 +4,7 @@ import pytest
 import small3
 
 import cosim
-from cosim.master.flight import fly
+from cosim.master.fly import fly
 from cosim.master.isolated import fly_isolated
 from cosim.master.state import read_state
 from cosim.master.system import Component, Connection, System

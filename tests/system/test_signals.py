@@ -139,8 +139,7 @@ def interrupted_at(moment: float, number: int, words, folder: Path) -> None:
     if words[0] == "campaign":
         resumable(command.out, words[1])
     elif number == signal.SIGKILL and words[0] in ("run", "simulate") and command.out.exists():
-        done = subprocess.run([AHV, "recover", command.out], env=command.environment, capture_output=True,
-                              text=True)
+        done = subprocess.run([AHV, "recover", command.out], env=command.environment, capture_output=True, text=True)
         assert done.returncode in ((0, 1, 2) if "--stream" in words else (2,)), done.stderr
         assert len(done.stderr.splitlines()) <= 3, done.stderr
         consistent(command.out)

@@ -12,7 +12,7 @@ from lxml import etree
 from test_cases import ahv
 
 from cosim.errors import UsageError
-from cosim.master.flight import fly
+from cosim.master.fly import fly
 from cosim.master.system import Component, Connection, System
 from cosim.master.xml_file import SSD, SSV, schema
 from cosim.ssp.load import load_ssp

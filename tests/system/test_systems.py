@@ -13,7 +13,7 @@ import ssp_files
 from places import AHV
 
 from cosim.errors import UsageError
-from cosim.master.flight import fly
+from cosim.master.fly import fly
 from cosim.master.quantities import spelling
 from cosim.master.state import read_state
 from cosim.master.system import Component, Connection, System

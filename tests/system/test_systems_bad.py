@@ -11,7 +11,7 @@ import small
 import ssp_files
 
 from cosim.errors import RunError, UsageError
-from cosim.master.flight import fly
+from cosim.master.fly import fly
 from cosim.master.state import read_state
 from cosim.master.system import Component, System
 from cosim.master.table import read_table
@@ -175,7 +175,8 @@ def test_a_table_in_another_form(tmp_path):
     pyarrow.parquet.write_table(pa.table({"time": [0.0], "u": [[1.0]]}), tmp_path / "lists.parquet")
     for name, words in (
             ("t.parquet", "cannot be read as a table"), ("t.xlsx", "its name must end with .csv or .parquet"),
-            ("none.csv", "There is no table"), ("bytes.csv", "cannot be read as a table"), ("lists.parquet", "u in row 1 is [1.0]; it must be a number")):
+            ("none.csv", "There is no table"), ("bytes.csv", "cannot be read as a table"),
+            ("lists.parquet", "u in row 1 is [1.0]; it must be a number")):
         with pytest.raises(UsageError) as error:
             read_table(tmp_path / name)
         assert words in sentence(error)

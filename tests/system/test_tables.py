@@ -9,7 +9,7 @@ import small3
 
 from cosim.errors import UsageError
 from cosim.master import look_up as module
-from cosim.master.flight import fly
+from cosim.master.fly import fly
 from cosim.master.system import Component, Connection, System
 from cosim.master.table import Inputs, look_up, read_table
 

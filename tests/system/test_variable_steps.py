@@ -8,7 +8,7 @@ import small
 
 from cosim.master.algorithms.base import Experiment
 from cosim.master.algorithms.variable import Variable
-from cosim.master.flight import fly
+from cosim.master.fly import fly
 from cosim.master.loaded import Master, open_files
 from cosim.master.recording import Recorder
 from cosim.master.system import Component, Connection, System

@@ -97,7 +97,7 @@ class Bench:
         """Step number `number`, of `size` s or else the job's step. Raises CallFailed."""
         time = self.time(number)
         status = fmu.step(time, size or self.job.step)
-        if status == DISCARD:
+        if status == DISCARD and self.job.version == "2.0":  # FMI 3.0 leaves the time undefined then
             self.check_discard(fmu, time, time + (size or self.job.step))
         self.expect(status, "fmi2DoStep", f"at time {time:g}")
         if isinstance(fmu, Instance3):

@@ -6,7 +6,7 @@ from ..fmi2 import WARNING, Instance, Value
 from ..job import Known
 from .bench import Bench, Row, moved, set_all
 from .compare import BITS, bits
-from .registry import probe, status_name
+from .registry import Stopped, probe, status_name
 
 
 @probe("load")
@@ -64,9 +64,6 @@ def shown(value: Value) -> str:
 def read(bench: Bench) -> None:
     """2.1.7, 4.2.4: outputs in initialization mode, everything between steps and after fmi2Terminate."""
     with bench.instance() as fmu:
-        if bench.job.version != "2.0":
-            begun = [v for v in bench.job.variables if v.start is not None]
-            read_each(bench, fmu, begun, "in the state instantiated", "formal")  # masters have the XML file for that
         bench.expect(fmu.setup(bench.job.start), "fmi2SetupExperiment", "in the state instantiated")
         bench.expect(fmu.call("EnterInitializationMode"), "fmi2EnterInitializationMode", "after fmi2SetupExperiment")
         outputs = [v for v in bench.job.variables if v.causality == "output"]
@@ -79,6 +76,14 @@ def read(bench: Bench) -> None:
         read_each(bench, fmu, bench.job.variables, "after fmi2Terminate")
 
 
+@probe("read-start", versions=("3.0",))
+def read_start(bench: Bench) -> None:
+    """FMI 3.0, 2.3.2: start values can be read before initialization. Masters have the XML file for that: formal."""
+    with bench.instance() as fmu:
+        begun = [v for v in bench.job.variables if v.start is not None]
+        read_each(bench, fmu, begun, "in the state instantiated", "formal")
+
+
 def read_each(bench: Bench, fmu: Instance, variables: list[Known], where: str, impact: str | None = None) -> None:
     """Read variables one by one and report what is refused."""
     for v in variables:
@@ -88,9 +93,16 @@ def read_each(bench: Bench, fmu: Instance, variables: list[Known], where: str, i
         if status > WARNING:
             found = f"fmi2Get{v.base} returned {status_name(status)} {where}"
             bench.fault("dynamic.read", v.name, found, "fmi2OK", impact=impact)
+            stop(bench)
         elif v.base == "String":
             for value in values:
                 check_string(bench, v, value, where)
+
+
+def stop(bench: Bench) -> None:
+    """End the probe after a refusal, where no more calls are legal then. Raises Stopped."""
+    if bench.job.version != "2.0":
+        raise Stopped
 
 
 def check_string(bench: Bench, v: Known, value: Value, where: str) -> None:
@@ -187,6 +199,7 @@ def write_each(bench: Bench, fmu: Instance, mode: str) -> None:
         if status > WARNING:
             found = f"fmi2Set{v.base} to {v.start!r} returned {status_name(status)} in mode '{mode}'"
             bench.fault("dynamic.write", v.name, found, "fmi2OK")
+            stop(bench)
 
 
 @probe("write-read")

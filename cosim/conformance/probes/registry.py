@@ -25,6 +25,10 @@ class EndedItself(Exception):
     """The FMU asked to end the simulation (FMI 3.0), which it may do."""
 
 
+class Stopped(Exception):
+    """A probe ends early, for what it has reported: after fmi3Error no more calls are legal (FMI 3.0, 2.2.4)."""
+
+
 class NoInstance(Exception):
     """fmi2Instantiate returned a null pointer although the GUID was right."""
 

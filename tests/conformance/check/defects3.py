@@ -144,6 +144,9 @@ STATIC = (
     _edit("variable.independent", "no time", "time", 'causality="independent"', 'causality="local"'),
     _before("variable.independent", "two times", _LAST,
             '<Float64 name="t2" valueReference="90" causality="independent"/>'),
+    _edit("variable.independent-type", "a time of whole numbers", "time",
+          '<Float64 name="time" valueReference="0" causality="independent" variability="continuous" unit="s"/>',
+          '<Int64 name="time" valueReference="0" causality="independent" variability="discrete"/>'),
     _edit("variable.derivative-index", "the derivative of value reference 99", "der(x)", 'derivative="1"',
           'derivative="99"'),
     _edit("variable.derivative-real", "the derivative of a parameter", "y", "nominal=", 'derivative="5" nominal='),
@@ -160,6 +163,8 @@ STATIC = (
           'Dimension start="3" valueReference="60"'),
     _edit("array.starts", "two start values for three elements", "table", 'start="1 2 3"', 'start="1 2"'),
     _edit("array.starts", "two start values for a scalar", "gain", 'start="2"', 'start="2 3"'),
+    _before("array.structural", "a vector of sizes", _LAST, '<UInt64 name="p" valueReference="90" start="2" '
+            'causality="structuralParameter" variability="fixed"><Dimension start="2"/></UInt64>\n'),
     # clocks
     _swap("clock.event-mode", "clocks without event mode", 'hasEventMode="true"', "", base=CLOCK_XML),
     _clock("clock.causality", "a clock that is a parameter", "tick", 'causality="input"', 'causality="parameter"'),

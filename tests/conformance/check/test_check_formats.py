@@ -104,7 +104,7 @@ def test_junit_is_valid_and_tells_failures_and_skips(report: Report) -> None:
     root = etree.fromstring(formats.as_junit([report, report], "wrong-results").encode())
     etree.XMLSchema(etree.parse(SCHEMAS / "junit.xsd")).assertValid(root)
     suite = root[0]
-    assert len(suite) == int(suite.get("tests")) == len(RULES) + 1
+    assert len(suite) == int(suite.get("tests")) == sum("2.0" in rule.sections for rule in RULES.values()) + 1
     assert [case.get("name") for case in suite.iterfind("testcase[failure]")] == ["dynamic.start-value"]
     assert len(suite.findall("testcase[skipped]")) == int(suite.get("skipped")) == 1
     assert len(suite.findall("testcase[system-out]")) == 4
