@@ -19,6 +19,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from ..errors import RunError, UsageError
+from ..master.publish import held
 from ..master.whole_file import reason, whole
 from ..vehicle.metrics import METRICS, OVER_TIME
 from .plan import Plan
@@ -117,7 +118,7 @@ class Store:
         tables = {"errors": self.table("errors", map(errors_line, rows)), "signals": self.signals(rows),
                   "runs": self.table("runs", map(self.line, rows))}
         written = {}
-        with self.writing():
+        with held(), self.writing():  # a signal leaves no parts without a receipt
             for kind in KINDS:
                 if tables[kind].num_rows:
                     with whole(self.part(kind, first)) as partial:
