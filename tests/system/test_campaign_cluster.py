@@ -262,7 +262,7 @@ on_other $BIN/dask worker tls://10.213.0.1:8786 --host tls://10.213.0.2 --nthrea
     --local-directory $OUT/worker 2>/dev/null &
 address="--scheduler tls://10.213.0.1:8786"
 sleep 3
-on_other $BIN/ahv campaign $FILE --out $OUT/refused $address 2>$OUT/said && exit 1
+on_other $BIN/ahv campaign $FILE --out $OUT/refused --scheduler tcp://10.213.0.1:8786 2>$OUT/said && exit 1
 $BIN/ahv campaign $FILE --out $OUT/flown $address --tls-ca $CERT/ca.pem --tls-cert $CERT/ca.pem --tls-key $CERT/key.pem
 """
 
@@ -276,6 +276,6 @@ def test_two_hosts_with_tls(tmp_path):
     done = subprocess.run([*isolated, "bash", "-c", NAMESPACES], capture_output=True, text=True, timeout=300, env={
         **os.environ, "BIN": str(AHV.parent), "CERT": str(tmp_path), "FILE": str(file), "OUT": str(tmp_path)})
     assert done.returncode == 0, done.stderr
-    assert "There is no Dask scheduler at tls://10.213.0.1:8786" in (tmp_path / "said").read_text()
+    assert "There is no Dask scheduler at tcp://10.213.0.1:8786" in (tmp_path / "said").read_text()
     ahv("campaign", file, "--out", tmp_path / "expected")
     assert tables(tmp_path / "flown") == tables(tmp_path / "expected")
