@@ -3,7 +3,6 @@
     with claimed(out, "run", "case1") as folder:             # results/run/case1 if `out` is None
         published = publish(folder, "run", record, must, extras)
 """
-import fcntl
 import json
 import os
 import shutil
@@ -102,8 +101,12 @@ def mark(lock: IO[bytes], kind: str) -> None:
 def locked(lock: IO[bytes], path: Path) -> bool:
     """Lock the file that was opened at `path` for as long as the process lives; False if somebody else has it.
 
-    Raises Unusable where files cannot be locked.
+    Raises Unusable where files cannot be locked. Windows has no such locks: True.
     """
+    try:
+        import fcntl
+    except ImportError:
+        return True
     try:
         fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         return path.stat().st_ino == os.fstat(lock.fileno()).st_ino  # not removed since by its former owner

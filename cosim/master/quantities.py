@@ -123,8 +123,8 @@ def in_unit_of(variable: "Variable", description: "Description", text: str, full
         return text
     number, word = float(found[1]), found[2]
     known = conversions(description, variable)
-    spelt = {name.replace("^", ""): name for name in known}
-    word = word if word in known else spelt.get(word.replace("^", ""), word)  # ft/s2 is ft/s^2
+    if word not in known:
+        word = next((name for name in known if spelling(name) == spelling(word)), word)
     if word not in known:
         allowed = f"its unit is one of {', '.join(known)}" if known else "the FMU declares no unit for it"
         raise UsageError(f"{full} = {text} is not allowed: {allowed}.")

@@ -43,6 +43,17 @@ def test_nothing_heavy_is_imported_before_it_is_needed(code):
     assert not {*modules_after(code)} - {"rich" if "Report" in code else ""}
 
 
+@pytest.mark.parametrize("words", [["--version"], ["--help"], ["simulate", "--help"], ["campaign", "--help"],
+                                   ["check", "--explain", "archive.extension"]], ids=" ".join)
+def test_commands_that_only_tell_something_import_nothing_heavy(words):
+    code = f"""
+import contextlib, io
+from cosim.cli.app import done
+with contextlib.suppress(SystemExit), contextlib.redirect_stdout(io.StringIO()):
+    done({words})"""
+    assert not {*modules_after(code)} - {"rich"}  # which typer prints its help with
+
+
 def test_a_flight_needs_no_package_of_others_rooms(fmu):
     code = f"import cosim; cosim.fly(cosim.System([cosim.Component('a', {str(fmu)!r})]), step=0.1, stop=1, plain=True)"
     assert modules_after(code) == ["numpy", "fmpy"]
