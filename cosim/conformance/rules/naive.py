@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from ..rule import static
 from ..subject import Fault, Fmu
 
-# Products and quotients of names with whole powers, which UDUNITS reads: kg.m/s2, (m/s)^2, 1/s. pint wants the ^ of s^2.
+# Products and quotients of names with whole powers, which UDUNITS reads: kg.m/s2, (m/s)^2, 1/s. pint wants s^2 for s2.
 NAME = r"[A-Za-z_µμΩÅ°%'\"]+"
 FACTOR = rf"(?:\d+(?:\.\d+)?(?:[eE][-+]?\d+)?|{NAME})(?:(?:\^|\*\*)?[-+]?\d+)?"
 PLAIN = re.compile(rf"\s*{FACTOR}(?:\s*[.*/·⋅ ]\s*{FACTOR})*\s*")
