@@ -8,14 +8,14 @@ import os
 import signal
 import sys
 import tempfile
-import time
 import traceback
 from dataclasses import dataclass
 from pathlib import Path
 
 from wrong_use import KINDS, Bad, drawn
 
-LONGEST = 10.0  # s, for one input
+LONGEST = 10.0  # s, for one input, of a processor's time: what else runs on the machine does not count
+PATIENCE = 60  # s, for one input, on a machine that has nothing else to do
 
 
 class TooLong(BaseException):
@@ -23,13 +23,14 @@ class TooLong(BaseException):
 
 
 def tried(bad: Bad) -> tuple[int, float, str]:
-    """Carry it out: (exit status, seconds, what was said). Status 99: an exception came out, or it took too long."""
+    """Carry it out: (exit status, seconds of a processor, what was said). Status 99: an exception came out, or it took
+    too long."""
     def late(*_: object) -> None:
         raise TooLong
 
-    said, began = io.StringIO(), time.perf_counter()
+    said, began = io.StringIO(), used()
     before = signal.signal(signal.SIGALRM, late)
-    signal.alarm(60)
+    signal.alarm(round(PATIENCE * max(1.0, os.getloadavg()[0] / (os.cpu_count() or 1))))
     try:
         with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
             try:
@@ -40,7 +41,12 @@ def tried(bad: Bad) -> tuple[int, float, str]:
     finally:
         signal.alarm(0)
         signal.signal(signal.SIGALRM, before)
-    return status, time.perf_counter() - began, said.getvalue()
+    return status, used() - began, said.getvalue()
+
+
+def used() -> float:
+    """Processor time (s) of this process and of those that it waited for."""
+    return sum(os.times()[:4])
 
 
 def fault(status: int, seconds: float, said: str) -> str:
@@ -49,8 +55,7 @@ def fault(status: int, seconds: float, said: str) -> str:
         return f"exit status {status}"
     if "Traceback" in said:
         return "a traceback"
-    busy = max(1.0, os.getloadavg()[0] / (os.cpu_count() or 1))  # how many share a processor
-    if seconds > LONGEST * busy:
+    if seconds > LONGEST:
         return f"{seconds:.1f} s"
     ours = [line for line in said.splitlines() if line.startswith("ahv: ")]
     if status == 2 and not ours and "Usage:" not in said:

@@ -1,12 +1,14 @@
 """A campaign from its file to its report: what `ahv campaign` does."""
 import logging
 import time
-from contextlib import AbstractContextManager
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import RunError, UsageError
 from ..master.folder import claimed
+from ..temporary import Folder
 from .plan import Plan, load
 from .progress import note, on_terminal, shown
 from .resume import prepare
@@ -64,7 +66,7 @@ def fly(plan: Plan, store: Store, scheduler: str | None, workers: int | None, tl
     rows, successes = store.counts()
     began = time.perf_counter()
     if rows < total:
-        with connected(store, scheduler, workers, tls, dashboard) as client:
+        with connected(scheduler, workers, tls, dashboard) as client:
             send(client, plan)
             for sentence in check(client, plan) if rows == 0 else ():
                 note(sentence)
@@ -77,12 +79,16 @@ def fly(plan: Plan, store: Store, scheduler: str | None, workers: int | None, tl
     return total - rows, flying
 
 
-def connected(store: Store, scheduler: str | None, workers: int | None, tls: tuple[Path, Path, Path] | None,
-              dashboard: bool) -> AbstractContextManager["Client"]:
+@contextmanager
+def connected(scheduler: str | None, workers: int | None, tls: tuple[Path, Path, Path] | None, dashboard: bool
+              ) -> Iterator["Client"]:
     """A client of the cluster at `scheduler`, or of a temporary one on this machine."""
     from . import cluster  # imports Dask, which is slow
 
     logging.disable(logging.CRITICAL)  # what matters is said by this program
-    if scheduler is None:
-        return cluster.local(store.work, workers, dashboard)
-    return cluster.remote(scheduler, cluster.Tls(*tls) if tls else None)
+    if scheduler is not None:
+        with cluster.remote(scheduler, cluster.Tls(*tls) if tls else None) as client:
+            yield client
+    else:
+        with Folder() as folder, cluster.local(folder.path / "work", workers, dashboard) as client:
+            yield client

@@ -88,11 +88,20 @@ def end(cluster: LocalCluster, client: Client, others: set[BaseProcess]) -> None
     cluster.shutdown_on_close = False  # not once more when Python ends
     for nanny in cluster.workers.values():
         nanny.auto_restart = False
-    for process in set(multiprocessing.active_children()) - others:
-        process.kill()
+    kill(others)
     for one in (client, cluster):
         with suppress(Exception):  # processes that are gone cannot say goodbye
             one.close(timeout=CLOSING_S)
+    kill(others)  # that were just starting
+
+
+def kill(others: set[BaseProcess]) -> None:
+    """Kill all child processes but `others`, and see them end: they write no file any more then."""
+    killed = set(multiprocessing.active_children()) - others
+    for process in killed:
+        process.kill()
+    for process in killed:
+        process.join(CLOSING_S)
 
 
 @contextmanager

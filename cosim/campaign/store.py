@@ -19,6 +19,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from ..errors import RunError, UsageError
+from ..master.publish import held
 from ..master.whole_file import reason, whole
 from ..vehicle.metrics import METRICS, OVER_TIME
 from .plan import Plan
@@ -55,7 +56,6 @@ class Store:
         self.folder, self.plan, self.schemas = folder, plan, schemas(plan)
         self.parts, self.head, self.receipt = folder / "parts", folder / "campaign.json", folder / "receipt.json"
         self.mark = self.parts / ".campaign"  # only in a folder with this file is anything removed
-        self.work = self.parts / "work"       # files of the cluster on this machine
         self.done: dict[int, Receipt] = {}    # of each task that is complete, by its first run
         self.complete = False                 # all tables are there
 
@@ -98,7 +98,7 @@ class Store:
     def clear_parts(self) -> None:
         """Remove from parts/ what a campaign wrote there, and the folder if nothing is left."""
         if self.mark.exists():
-            shutil.rmtree(self.work, ignore_errors=True)
+            shutil.rmtree(self.parts / "work", ignore_errors=True)  # earlier versions left it there when killed
             for path in self.parts.iterdir():
                 if OURS.fullmatch(path.name):
                     path.unlink()
@@ -118,7 +118,7 @@ class Store:
         tables = {"errors": self.table("errors", map(errors_line, rows)), "signals": self.signals(rows),
                   "runs": self.table("runs", map(self.line, rows))}
         written = {}
-        with self.writing():
+        with held(), self.writing():  # a signal leaves no parts without a receipt
             for kind in KINDS:
                 if tables[kind].num_rows:
                     with whole(self.part(kind, first)) as partial:

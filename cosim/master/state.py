@@ -2,6 +2,7 @@
 import io
 import json
 import zipfile
+import zlib
 from dataclasses import dataclass, field
 from os.path import isfile
 from pathlib import Path
@@ -133,13 +134,16 @@ def read_state(path: Path) -> State:
         about = json.loads(arrays["about"].tobytes())
         if about["kind"] != KIND:
             raise ValueError
-        slots = json.loads(arrays["slots"].tobytes())
-        sizes = {len(slots), *(len(arrays[name]) for name in ("signals", "exact", "before"))}
-        fitting = (len(sizes) == 1 and arrays["clock"].shape == (len(about["components"]), 2)
-                   and all(arrays[f"fmu_{i}"].dtype == np.uint8 for i in range(len(about["components"]))))
+        slots, fmus = json.loads(arrays["slots"].tobytes()), len(about["components"])
+        shapes = {name: (len(slots),) for name in ("signals", "exact", "before")} | {"clock": (fmus, 2)}
+        fitting = (all(arrays[name].shape == shape and arrays[name].dtype.kind in "biuf"
+                       for name, shape in shapes.items())
+                   and all(arrays[f"fmu_{i}"].dtype == np.uint8 for i in range(fmus))
+                   and type(about["tick"]) is int and 0 <= about["tick"] < 1 << 62)
         if not fitting:
             raise ValueError
-        return State(path, float(about["start"]), float(about["step"]), int(about["tick"]), str(about["algorithm"]),
+        return State(path, float(about["start"]), float(about["step"]), about["tick"], str(about["algorithm"]),
                      dict(about["components"]), arrays)
-    except (ValueError, KeyError, TypeError, AttributeError, EOFError, OSError, zipfile.BadZipFile):
+    except (ValueError, LookupError, TypeError, AttributeError, EOFError, OSError, ArithmeticError, MemoryError,
+            RuntimeError, zlib.error, zipfile.BadZipFile):  # whatever a file that is damaged on purpose leads to
         raise UsageError(f"{path} is no state that `ahv simulate --save` wrote.") from None

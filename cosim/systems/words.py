@@ -63,7 +63,7 @@ def experiment(found: Loaded, start: float | None, stop: float | None, step: flo
     if size is None:
         size = DEFAULT_STEP if not found.alone or not isfinite(end - begin) or end <= begin else (end - begin) / POINTS
         remarks.append(f"{path} does not say how large the step is: {size:.6g} s is taken.")
-    if stop is None and found.alone and size > 0 and end > begin:
+    if stop is None and found.alone and size > 0 and end > begin and isfinite((end - begin) / size):
         count = max(1, round((end - begin) / size))
         if abs(begin + count * size - end) > 1e-6 * size:
             remarks.append(f"{path} suggests a stop at {end:g} s, which is not a whole number of steps of {size:g} s: "

@@ -194,12 +194,10 @@ def check_limits(controller: Component) -> None:
         if not set(pair) & set(controller.values):
             continue
         with FmuFile.open(controller.fmu) as file:
-            words = {name: controller.values.get(name, file.variables[name].start)
-                     for name in pair if name in file.variables}
-            if len(words) < 2 or None in words.values():
-                continue
-            low, high = (float(file.checked(name, word, "controller")) for name, word in words.items())
-        if low > high:
+            words = {name: word for name in pair if name in file.variables
+                     and (word := controller.values.get(name, file.variables[name].start)) is not None}
+            low, *high = (float(file.checked(name, word, "controller")) for name, word in words.items())
+        if high and low > high[0]:
             least, most = (f"controller.{name} = {word}" for name, word in words.items())
             raise UsageError(f"{least} is not allowed: it is above {most}.")
 

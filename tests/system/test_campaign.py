@@ -253,7 +253,7 @@ def test_a_run_that_kills_its_worker_is_a_row_and_costs_no_other(tmp_path, monke
     store = Store(tmp_path / "out", plan)
     store.folder.mkdir()
     prepare(store, False, "")
-    with cluster.local(store.work, 2, False) as client:
+    with cluster.local(store.folder.parent / "work", 2, False) as client:
         engine.send(client, plan)
         engine.Engine(client, plan, store, lambda more, good: None).run()
     store.finish()

@@ -1,6 +1,7 @@
 """A campaign's folder that was damaged, or that is somebody else's: found, named, flown again or left alone."""
 import json
 import shutil
+import signal
 from dataclasses import replace
 
 import pyarrow as pa
@@ -222,3 +223,20 @@ def test_a_report_that_cannot_be_drawn_is_drawn_later(flown, done, monkeypatch):
     summary = whole_campaign.campaign(path, done.folder, resume=True)
     assert summary["runs_flown_now"] == 0 and (done.folder / "report.html").exists()
     assert tables(done.folder) == before
+
+
+def test_a_signal_while_parts_are_written_waits_for_their_receipt(parts, monkeypatch):
+    prepare(parts, True, "text")
+    rows = pq.read_table(parts.part("runs", BAD)).num_rows
+    caught = []
+    before = signal.signal(signal.SIGTERM, lambda *_: caught.append(parts.part_receipt(BAD).exists()))
+    try:
+        parts.part_receipt(BAD).unlink()
+        write = pq.write_table
+        monkeypatch.setattr(pq, "write_table", lambda *words: (write(*words), signal.raise_signal(signal.SIGTERM)))
+        monkeypatch.setattr(Store, "signals", lambda *_: parts.schemas["signals"].empty_table())
+        monkeypatch.setattr(Store, "table", lambda self, kind, _: pq.read_table(self.part(kind, BAD)))
+        parts.add(BAD, [])
+    finally:
+        signal.signal(signal.SIGTERM, before)
+    assert caught == [True] and parts.done[BAD].tables["runs"].rows == rows

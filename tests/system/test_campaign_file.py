@@ -163,10 +163,11 @@ def test_files_are_named_from_the_campaign_file_wherever_it_is_read_from(tmp_pat
     found = plan(text, there)
     assert found.stop == 2 and found.scenario.name == "own" and found.scenario_word == str(there / "own.yaml")
     assert {path.parent for stored, path in found.fmus.items() if "Scenario" not in stored} == {there / "fmus"}
-    row = {"controller": "mine", "plant.mass": 300.0, "scenario.scale_lift_sine": 0.1,
+    row = {"run": 7, "controller": "mine", "plant.mass": 300.0, "scenario.scale_lift_sine": 0.1,
            "scenario.scale_lift_sine_phase": 1.0}
     words = command(found, row).split()
     assert words[2] == str(there / "own.yaml")
+    assert words[words.index("--out") + 1] == f"results/run/{found.campaign.name}-mine-7"
     assert words[words.index("--plant") + 1] == str(there / "fmus" / "AhvPlant.fmu")
     assert words[words.index("--controller") + 1] == f"mine={there / 'fmus' / 'AhvController.fmu'}"
     assert "scenario.scale_lift_sine=0.1" in words and plan(GOOD, there).scenario_word == "case1"

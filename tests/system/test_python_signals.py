@@ -69,7 +69,7 @@ def test_a_name_that_is_none_suggests_the_nearest(flight):
 # --- tables and pictures --------------------------------------------------------------------------------
 
 def test_the_arrow_table_is_what_a_run_writes(flight, tmp_path):
-    write_results(tmp_path, flight, {})
+    write_results(tmp_path, "run", flight, {})
     assert flight.to_arrow().equals(pyarrow.parquet.read_table(tmp_path / "signals.parquet"), check_metadata=True)
 
 

@@ -7,6 +7,7 @@ from test_cases import ahv
 from cosim.errors import UsageError
 from cosim.vehicle import scenarios
 from cosim.vehicle.closed_loop import assignments, closed_loop
+from cosim.vehicle.linearize import linearize
 from cosim.vehicle.run import run
 from cosim.vehicle.scenarios import Scenario
 
@@ -106,3 +107,22 @@ def test_a_scenario_s_preset_that_the_command_line_replaces_need_not_be_one_of_t
     assert closed_loop(steady, "backstepping", presets={"controller": "calibrated"}).preset == "calibrated"
     with pytest.raises(UsageError, match=r"AhvBackstepping\.fmu has no preset steady"):
         closed_loop(steady, "backstepping")
+
+
+@pytest.mark.parametrize("words, sentence", [
+    (("controller.elevator_min=10deg", "controller.elevator_max=5deg"),
+     "controller.elevator_min = 10deg is not allowed: it is above controller.elevator_max = 5deg."),
+    (("controller.fuel_ratio_min=2",), "controller.fuel_ratio_min = 2 is not allowed: it is above "
+                                       "controller.fuel_ratio_max = 1.5."),
+])
+def test_a_lower_limit_above_its_upper_limit_is_refused(words, sentence):
+    hold = scenarios.load("hold")
+    for refused in (lambda: closed_loop(hold, values=assignments(words)), lambda: linearize(values=assignments(words))):
+        with pytest.raises(UsageError) as error:
+            refused()
+        assert str(error.value) == sentence
+
+
+def test_limits_that_meet_are_flown():
+    closed_loop(scenarios.load("hold"), values=assignments(["controller.elevator_min=5deg",
+                                                            "controller.elevator_max=5deg"]))

@@ -1,5 +1,7 @@
 """System files, tables, states and SSP 2.0 that are wrong: one sentence each, before anything flies."""
+import json
 import re
+import zipfile
 
 import numpy as np
 import pyarrow as pa
@@ -213,6 +215,42 @@ def test_a_state_that_is_none(state, tmp_path, damage):
     with pytest.raises(UsageError) as error:
         read_state(tmp_path / "bad.state")
     assert "is no state that `ahv simulate --save` wrote" in sentence(error)
+
+
+def said(**changes):
+    """An array of JSON: what a state says about itself, with changes."""
+    return lambda arrays: np.frombuffer(json.dumps({**json.loads(arrays["about"].tobytes()), **changes}).encode(),
+                                        np.uint8)
+
+
+@pytest.mark.parametrize("name, made", [
+    ("about", said(tick=float("inf"))), ("about", said(tick=-5)), ("about", said(tick=2.5)), ("about", said(step="x")),
+    ("about", said(components=[1])), ("slots", lambda arrays: np.frombuffer(b"[" * 100_000, np.uint8)),
+    ("signals", lambda arrays: arrays["signals"].astype(str)), ("signals", lambda arrays: np.float64(3.0)),
+    ("signals", lambda arrays: np.zeros((len(arrays["signals"]), 3))), ("clock", lambda arrays: np.zeros(0)),
+    ("fmu_0", lambda arrays: arrays["fmu_0"].astype(float)),
+])
+def test_a_state_that_was_changed_on_purpose(state, tmp_path, name, made):
+    with np.load(state) as file:
+        arrays = {key: file[key] for key in file.files}
+    with (tmp_path / "bad.state").open("wb") as file:
+        np.savez(file, **{**arrays, name: made(arrays)})
+    with pytest.raises(UsageError, match="is no state that"):
+        read_state(tmp_path / "bad.state")
+
+
+def test_a_state_with_an_array_larger_than_any_memory(tmp_path):
+    head = b"{'descr': '<f8', 'fortran_order': False, 'shape': (1000000000000,), }".ljust(117) + b"\n"
+    with zipfile.ZipFile(tmp_path / "bad.state", "w") as archive:
+        archive.writestr("about.npy", b"\x93NUMPY\x01\x00" + len(head).to_bytes(2, "little") + head)
+    with pytest.raises(UsageError, match="is no state that"):
+        read_state(tmp_path / "bad.state")
+
+
+@pytest.mark.parametrize("start", [float("-inf"), float("inf"), float("nan"), -1.7e308])
+def test_a_start_that_cannot_be(native_fmus, tmp_path, start):
+    with pytest.raises(UsageError):
+        simulate(native_fmus["AhvPlant"], None, None, None, tmp_path / "out", start=start)
     np.savez(tmp_path / "other.npz", x=np.zeros(3))
     with pytest.raises(UsageError, match="is no state"):
         read_state(tmp_path / "other.npz")

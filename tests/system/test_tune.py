@@ -5,6 +5,7 @@ import signal
 import subprocess
 
 import numpy as np
+import psutil
 import pytest
 from evidence import Loaded, summary
 from law_studies import flights, independent
@@ -101,6 +102,21 @@ def test_ctrl_c_keeps_the_best_so_far(native_fmus, tmp_path):
     kept = json.loads(file.read_text())
     assert kept["status"] == "interrupted" and kept["evaluations"] >= 11 and set(kept["gains"]) == set(
         LAWS["backstepping"].gains)
+
+
+@pytest.mark.parametrize("number, status", [(signal.SIGTERM, 143), (signal.SIGINT, 1), (signal.SIGKILL, -9)])
+def test_workers_that_do_not_answer_end_with_the_search(number, status, native_fmus, tmp_path):
+    running = subprocess.Popen([AHV, "tune", "backstepping", "--draws", "3", "--out", tmp_path], text=True,
+                               stderr=subprocess.PIPE,
+                               preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
+    assert running.stderr and running.stderr.readline().startswith("0 of")
+    started = psutil.Process(running.pid).children(recursive=True)
+    worker = next(process for process in started if "spawn_main" in " ".join(process.cmdline()))
+    worker.suspend()  # as one whose FMU hangs
+    running.send_signal(number)
+    running.communicate(timeout=60)
+    _, alive = psutil.wait_procs(started, 30)
+    assert running.returncode == status and alive == []
 
 
 @pytest.mark.parametrize("law", ["neural", "backstepping"])

@@ -44,7 +44,7 @@ ALIASES = ("a0: &a0 [x,x,x,x,x,x,x,x,x]\n"
     ("a:\n" + "".join(f"{' ' * i}- \n" for i in range(1, 300)), "it is nested more than 50 levels deep."),
     (ALIASES, "there are more than 100000 values, those of aliases included."),
     ("a: &a [*a]", "it contains itself."), ("a: &a {b: &b [*a, *b]}", "it contains itself."),
-    ("a: " + "x" * 1_000_001, "too large: a scenario file has at most 1000 kB."),
+    ("a: " + "x" * 1_000_001, "file has at most 1000 kB."),
     ("name: \"\\ud800\"", "is no text."), ("a: !!int ''", "a value does not fit its type"),
     ("a: 2001-99-99", "a value does not fit its type"), ("a: " + "9" * 5000, "a value does not fit its type"),
 ], ids=lambda text: text[:20])
