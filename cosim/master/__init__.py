@@ -6,10 +6,12 @@
     quantities    units and conversions                 parameter_set values of presets and of SSP files
     xml_file      XML, that of SSP validated            notes         notes to the user on stderr
     dependencies  which output depends on which input
-    initialise    from instantiated to ready to step    wiring        a loaded system as arrays
+    initialise    from instantiated to ready to step    wiring        a loaded system as arrays, which wirer builds
     program       what a tick does, as rows of numbers  loop_plain, loop_compiled   what carries programs out
     algorithms    Jacobi, Gauss-Seidel and others       loaded        a loaded system: initialise, run programs, reset
-    flight        from start to stop                    recording     rows into memory or a Parquet file
+    fly           from start to stop                    flight        what a flight left
+    recording     rows into memory or a file            publish       results that appear together, in a folder
+    recover       results of a killed flight            guard         the end of a process and all that it started
     table         inputs over time                      look_up       what a table has at a tick, for the loops
     state         a flight saved and gone on from       ssp2          SSP 2.0 in the words of 1.0
     pace          real time                             isolated      a flight in a process of its own

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from ..rule import static
 from ..subject import Fault, Fmu
 
-# Products and quotients of names with whole powers, which UDUNITS and pint read: kg.m/s2, (m/s)^2, 1/s.
+# Products and quotients of names with whole powers, which UDUNITS reads: kg.m/s2, (m/s)^2, 1/s. pint wants s^2 for s2.
 NAME = r"[A-Za-z_µμΩÅ°%'\"]+"
 FACTOR = rf"(?:\d+(?:\.\d+)?(?:[eE][-+]?\d+)?|{NAME})(?:(?:\^|\*\*)?[-+]?\d+)?"
 PLAIN = re.compile(rf"\s*{FACTOR}(?:\s*[.*/·⋅ ]\s*{FACTOR})*\s*")
@@ -48,4 +48,4 @@ def unit_name(fmu: Fmu) -> Iterator[Fault]:
     found = sorted(name for name in {v.unit for v in fmu.description.variables} if name and not is_plain(name))
     if found:
         yield Fault("units", f"no parser of units reads {', '.join(repr(name) for name in found)}",
-                    "products of names with whole powers, such as kg.m/s2; '1' without a dimension")
+                    "products of names with whole powers, such as kg.m/s^2; '1' without a dimension")

@@ -1,7 +1,5 @@
 """All single-defect FMUs, of whatever kind, as one list of cases."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """Builds the correct FMU of these tests (fixture.c, fixture.xml) and copies of it with single defects."""
 
-from __future__ import annotations
-
 import re
 import tempfile
 import zipfile

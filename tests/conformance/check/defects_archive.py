@@ -1,7 +1,5 @@
 """Single defects of the archive, its binaries and its other files: the rule that each breaks, and how to make it."""
 
-from __future__ import annotations
-
 import stat
 import struct
 import zipfile

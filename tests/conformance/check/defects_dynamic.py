@@ -1,7 +1,5 @@
 """Single defects of the binary: the rule that each breaks, and the macro of fixture.c that builds it."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 

@@ -1,7 +1,5 @@
 """Single defects of modelDescription.xml: the rule that each breaks, and what to replace in fixture.xml by what."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from check_fixture import BASE_XML, swapped

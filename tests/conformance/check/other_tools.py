@@ -4,8 +4,6 @@ python other_tools.py validate FILE...     one JSON object: file -> [found by fm
 python other_tools.py simulate FILE        exit status 0 when fmpy simulates the FMU without complaint
 """
 
-from __future__ import annotations
-
 import json
 import logging
 import sys

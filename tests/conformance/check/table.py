@@ -3,8 +3,6 @@
 python tests/conformance/check/table.py
 """
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """safe_extract and read_library on what a stranger may send: one sentence, or the content, and never anything else."""
 
-from __future__ import annotations
-
 import io
 import zipfile
 from pathlib import Path

@@ -1,7 +1,5 @@
 """FMUs that follow the specification get no error; what is not claimed or cannot be tested is said, not judged."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Each single-defect FMU: exactly the rule that it breaks is reported, with all that a finding must say."""
 
-from __future__ import annotations
-
 import tempfile
 from pathlib import Path
 

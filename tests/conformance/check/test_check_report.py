@@ -1,7 +1,5 @@
 """The report: a JSON-able dict with fixed keys, tables, and a document that is up to date."""
 
-from __future__ import annotations
-
 import io
 import json
 from pathlib import Path
