@@ -39,7 +39,9 @@ def run(fmu: Fmu, report: Report, work: Path, limits: Limits, cycles: int) -> No
         report.skip(EVERYTHING, f"no binary for this platform (binaries/{fmu.version.host})")
         return
     report.sandbox = sandbox() or "none"
-    run_probes(make_job(fmu, library, limits.call_s, cycles), report, work, limits)
+    job = make_job(fmu, library, limits.call_s, cycles)
+    report.initialized_only = bool(job.clocks)
+    run_probes(job, report, work, limits)
     for rule in ONCE:
         report.merge(rule)
     for rule, cause in IMPLIED.items():

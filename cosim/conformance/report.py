@@ -71,6 +71,7 @@ class Report:
     fmi_version: str = "2.0"
     tool: str = ""  # generationTool of the FMU
     ignored: int = 0  # findings that were left out on request
+    initialized_only: bool = False  # the FMU has clocks, which nobody ticked
 
     def add(self, rule: str, fault: Fault, severity: str | None = None, impact: str | None = None) -> None:
         """Note a breach of `rule`; a probe may state a milder `severity` and `impact` than the rule's own."""
@@ -135,6 +136,8 @@ class Report:
             parts.append(f"there {'is 1 note' if notes == 1 else f'are {notes} notes'}"
                          + (f" ({naive} on what a naive importer may not bear)" if naive else ""))
         state = "It loads and flies" if self.ran else "It was read, not run"
+        if self.ran and self.initialized_only:
+            state = "It loads and initializes; its clocks were not ticked, so it was not flown"
         if loads:
             state = f"It does not load or run ({loads} say{'s' if loads.startswith('1 ') else ''} why)"
         return f"{state}; {', '.join(parts) or ('nothing else was found' if loads else 'no findings')}."

@@ -61,6 +61,7 @@ def test_clocks_are_read_and_not_ticked(tmp_path: Path) -> None:
     report = check(write(tmp_path / "Fixture.fmu", members(CLOCK_XML)))
     assert _findings(report) == []
     assert [item.why for item in report.not_tested] == ["the FMU has clocks, which this check does not tick"]
+    assert report.verdict.startswith("It loads and initializes; its clocks were not ticked, so it was not flown; ")
 
 
 def test_what_is_not_claimed_is_not_tested(tmp_path: Path) -> None:
