@@ -1,6 +1,6 @@
 """What the parent tells the child about the FMU under test, as plain data that is sent as JSON."""
 import json
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ class Job:
 
     def to_json(self) -> str:
         """The job as text, for `read`."""
-        return json.dumps(asdict(self))
+        return json.dumps(vars(self), default=vars)
 
     @staticmethod
     def read(text: str) -> "Job":
