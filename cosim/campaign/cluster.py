@@ -1,7 +1,7 @@
 """Dask clusters: one on this machine for the time of a campaign, or one that is there already.
 
 Who can reach a scheduler without TLS can run code on its workers, and sees what is sent. The cluster on this machine
-takes only those who have the certificate that is made for it and that leaves no process of ours.
+takes only those who have the certificate that is made for it; its files are where this user alone can read.
 """
 import logging
 import multiprocessing
@@ -77,10 +77,22 @@ def local(folder: Path, workers: int | None, dashboard: bool) -> Iterator[Client
 
 def start(folder: Path, dashboard: bool) -> tuple[LocalCluster, Client]:
     """A cluster without workers, and its client."""
-    cluster = LocalCluster(n_workers=0, threads_per_worker=1, local_directory=str(folder),
-                           security=Security.temporary(), dashboard_address="127.0.0.1:0",
-                           scheduler_kwargs={"dashboard": dashboard}, silence_logs=logging.CRITICAL)
+    cluster = LocalCluster(n_workers=0, threads_per_worker=1, local_directory=str(folder), security=own(folder),
+                           dashboard_address="127.0.0.1:0", scheduler_kwargs={"dashboard": dashboard},
+                           silence_logs=logging.CRITICAL)
     return cluster, Client(cluster)
+
+
+def own(folder: Path) -> Security:
+    """A certificate made for one cluster, as files below `folder`: from memory, Dask would write them to a temporary
+    folder for each connection, and a process that is killed then would leave the key."""
+    made, place = Security.temporary(), folder / "certificates"
+    place.mkdir(mode=0o700, parents=True)
+    names = ["tls_ca_file"]
+    names += [f"tls_{who}_{what}" for who in ("client", "scheduler", "worker") for what in ("cert", "key")]
+    for name in names:
+        (place / name).write_text(getattr(made, name))
+    return Security(require_encryption=True, **{name: str(place / name) for name in names})
 
 
 def end(cluster: LocalCluster, client: Client, others: set[BaseProcess]) -> None:

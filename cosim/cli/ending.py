@@ -1,7 +1,8 @@
 """Signals that end the program, as exceptions: what is open is closed, and temporary files go.
 
 An exception can get lost, since Python swallows those that are raised in some of its callbacks, for example those of
-imports. Therefore an alarm follows: if nothing is being closed when it comes, the exception is raised again.
+imports. Therefore an alarm follows: if nothing is being closed when it comes, the exception is raised again. Python's
+report of the lost one is left out.
 """
 import atexit
 import os
@@ -13,6 +14,7 @@ from contextlib import contextmanager
 
 from ..master.interruptions import ASKING, HELD
 
+ENDING = (KeyboardInterrupt, SystemExit)
 AGAIN_S = 0.2
 PATIENCE_S = 2.0
 
@@ -24,6 +26,8 @@ def ending() -> Iterator[None]:
     taken = [number for number in ASKING if signal.getsignal(number) != signal.SIG_IGN]  # nohup ignores SIGHUP
     for number in taken:
         signal.signal(number, end)
+    usual = sys.unraisablehook
+    sys.unraisablehook = lambda lost: None if isinstance(lost.exc_value, ENDING) else usual(lost)
     try:
         yield
     finally:
@@ -74,7 +78,7 @@ def unwinding() -> bool:
     """Whether an exception that ends the program is being handled: it runs through the blocks that close things."""
     error = sys.exc_info()[1]
     while error is not None:
-        if isinstance(error, KeyboardInterrupt | SystemExit):
+        if isinstance(error, ENDING):
             return True
         error = error.__context__
     return False
