@@ -5,6 +5,7 @@ import shutil
 import signal
 import socket
 import ssl
+import stat
 import subprocess
 import time
 import urllib.error
@@ -99,14 +100,15 @@ def welcome(port):
         return False
 
 
-def test_the_key_is_in_no_file_argument_or_environment(local):
+def test_the_key_is_in_no_argument_or_environment_and_in_no_file_that_others_can_read(local):
     client, folder = local
-    assert client.security.tls_client_key.startswith("-----BEGIN")
-    secret = client.security.tls_client_key.splitlines()[5].encode()
+    key = Path(client.security.tls_client_key)
+    assert key.parent.parent == folder and stat.S_IMODE(key.parent.stat().st_mode) == 0o700
+    secret = key.read_bytes().splitlines()[5]
     for process in (psutil.Process(), *psutil.Process().children(recursive=True)):
         for name in ("cmdline", "environ"):
             assert secret not in Path(f"/proc/{process.pid}/{name}").read_bytes()
-    assert all(secret not in path.read_bytes() for path in folder.rglob("*") if path.is_file())
+    assert {path.parent for path in folder.rglob("*") if path.is_file() and secret in path.read_bytes()} == {key.parent}
 
 
 # --- a cluster that is there already --------------------------------------------------------------------------------
