@@ -126,7 +126,7 @@ def test_a_full_tmpdir_is_named_and_nobody_is_blamed(native_fmus, ssp, tmp_path,
     inside = ["unshare", "--mount", *(() if os.geteuid() == 0 else ("--user", "--map-root-user")), "sh", "-c",
               f'mount -t tmpfs -o size=100k tmpfs {full} && exec "$@"', "sh"]
     if not shutil.which("unshare") or subprocess.run([*inside, "true"], capture_output=True).returncode:
-        pytest.skip("this machine has no name spaces with mounts of their own")
+        pytest.skip("needs namespaces with mounts of their own")
     places = {"fmu": native_fmus["AhvPlant"], "ssp": ssp(), "out": tmp_path / "out"}
     words = [word.format(**places) for word in COMMANDS[command]]
     if command == "simulate":  # its small FMUs fit into 100 kB
