@@ -89,7 +89,8 @@ def fly(system: System, step: float | None = None, stop: float | None = None, *,
 
 
 def check(path: str | PathLike[str], dynamic: bool = True, time_limit: float = 30.0, cycles: int = 1000) -> "Report":
-    """Check one FMU against FMI 2.0, its file and what it does when it runs: a Report with `.passed`, `.findings`.
+    """Check one FMU against FMI 2.0 or 3.0, its file and what it does when it runs: a Report with `.passed` and
+    `.findings`.
 
     `dynamic` also runs the FMU, in child processes; `time_limit` is how long (s) one call of it may take; `cycles` how
     many lives of an instance the search for memory leaks takes.

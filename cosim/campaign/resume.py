@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import UsageError
+from ..master.publish import read
 from .code import differences
 from .plan import key_of
 from .receipt import Receipt
@@ -56,8 +57,8 @@ def begun(store: Store, said: list[str]) -> dict[str, Any]:
     Raises UsageError if another campaign is there, or if nothing says which.
     """
     ours = json.loads(store.plan.described)
-    before = head(store)
-    if before is None:
+    before = read(store.head)
+    if not before:
         receipts = [store.receipt, *store.parts.glob("receipt-*")]
         if not any(says(path) == store.plan.job.key for path in receipts):
             raise UsageError(f"{store.head} is missing or damaged, and no receipt says that the rest is of this "
@@ -68,15 +69,6 @@ def begun(store: Store, said: list[str]) -> dict[str, Any]:
     if changed:
         raise other_campaign(store, f"{', '.join(changed)} {'has' if len(changed) == 1 else 'have'} changed since")
     return before
-
-
-def head(store: Store) -> dict[str, Any] | None:
-    """What campaign.json says; None if it is missing or damaged."""
-    try:
-        found = json.loads(store.head.read_bytes())
-    except (OSError, ValueError, RecursionError):
-        return None
-    return found if isinstance(found, dict) else None
 
 
 def says(path: Path) -> str | None:

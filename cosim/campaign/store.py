@@ -71,7 +71,6 @@ class Store:
         """The receipt of the task with the first run `first`."""
         return self.parts / f"receipt-{first:010d}.json"
 
-
     @contextmanager
     def writing(self) -> Iterator[None]:
         """Around whatever writes here. Raises RunError if that is not possible."""

@@ -36,7 +36,7 @@ class Format(StrEnum):
 
 def check(
     fmus: Annotated[list[Path] | None, typer.Argument(metavar="FMU...",
-                                                      help="FMI 2.0 co-simulation FMUs, anybody's.")] = None,
+                                                      help="Co-simulation FMUs of FMI 2.0 or 3.0, anybody's.")] = None,
     dynamic: Annotated[bool, typer.Option(help="Also run the FMU, in child processes.")] = True,
     show_all: Annotated[bool, typer.Option("--all", help="Also show formal findings, notes, and what was not "
                                            "tested.")] = False,
@@ -55,7 +55,7 @@ def check(
     process_limit: Annotated[int, typer.Option(help="Processes that the FMU may have.")] = 64,
     as_json: Json = False,
 ) -> None:
-    """Check FMUs against FMI 2.0: their files, and what they do when they run."""
+    """Check FMUs against FMI 2.0 or 3.0: their files, and what they do when they run."""
     from ..conformance import check as examine
     from ..conformance import formats
     from ..conformance.confined import Limits
@@ -88,10 +88,11 @@ def check(
     else:
         for report in reports:
             show(report, fail_on, show_all)
-    failed = [one.fmu.name for one in reports if one.fails(fail_on)]
+    failed = [one for one in reports if one.fails(fail_on)]
     if failed:
-        broken = "breaks FMI 2.0." if fail_on == FailOn.ERROR else f"has findings that --fail-on {fail_on} rules out."
-        raise RunError(f"{', '.join(failed)} {broken}")
+        standard = " and ".join(sorted({f"FMI {one.fmi_version}" for one in failed}))
+        broken = f"breaks {standard}" if fail_on == FailOn.ERROR else f"has findings that --fail-on {fail_on} rules out"
+        raise RunError(f"{', '.join(one.fmu.name for one in failed)} {broken}.")
 
 
 def show(report: "Report", fail_on: str, everything: bool) -> None:

@@ -15,7 +15,6 @@ def place(word: str) -> Path:
     return expanded(path) if word.startswith("~") or not str(path).startswith("~") else path.absolute()
 
 
-
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout.")]
 Algorithm = Annotated[str, typer.Option(metavar="NAME[,OPTION=VALUE]...", help="gauss-seidel, jacobi, multi-rate, "
                                         "variable or iterated; for example multi-rate,controller=5,hold=linear.")]
@@ -31,7 +30,7 @@ Preset = Annotated[str | None, typer.Option(help="Preset of the controller, else
 Flavour = Annotated[str | None, typer.Option(help="native or python; else native where it is built.")]
 Step = Annotated[float, typer.Option(help="Communication step, s.")]
 Stop = Annotated[float | None, typer.Option(help="Stop time, s; else the scenario's.")]
-Stream = Annotated[bool, typer.Option("--stream", help="Write signals.parquet during the run, for long runs: no CSV; "
+Stream = Annotated[bool, typer.Option("--stream", help="Write rows to the disk during the run, for long runs: no CSV; "
                                       "metrics and figures use a part of the rows.")]
 TimeLimit = Annotated[float | None, typer.Option(metavar="S", help="Longest time of one FMU call, s; a call that takes "
                                                   "longer ends the flight.")]

@@ -7,11 +7,12 @@ import json
 import os
 import shutil
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
 from pathlib import Path
 from typing import IO
 
 from ..errors import UsageError
+from .interruptions import interruptions
 from .publish import KINDS, OWN, REQUEST, ROWS, STAGED, Kind, move, read
 from .whole_file import reason
 
@@ -53,6 +54,17 @@ def claimed(out: Path | None, kind: str, name: str, recover: bool = False) -> It
                 leave(folder, kind)
     except Unusable as error:
         raise UsageError(f"--out {folder} cannot be written to: {error}.") from None
+
+
+@contextmanager
+def flown_into(out: Path | None, kind: str, name: str, streamed: bool) -> Iterator[tuple[Path, list[int]]]:
+    """The folder of `claimed` for a flight and its results, and a list of the signals that came meanwhile.
+
+    They let the writing of results end, but for a flight whose rows are `streamed`: these are on the disk already.
+    """
+    holding: AbstractContextManager[list[int]] = nullcontext([]) if streamed else interruptions()
+    with claimed(out, kind, name) as folder, holding as interrupted:
+        yield folder, interrupted
 
 
 class Unusable(Exception):

@@ -1,6 +1,5 @@
 """`ahv simulate`: any system flown by the master, results as `ahv run` writes them."""
 from collections.abc import Sequence
-from contextlib import AbstractContextManager, nullcontext
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -8,8 +7,7 @@ from typing import Any
 from ..errors import UsageError
 from ..master.flight import Flight
 from ..master.fly import tick_count
-from ..master.folder import claimed
-from ..master.interruptions import interruptions
+from ..master.folder import flown_into
 from ..master.isolated import fly_isolated
 from ..master.notes import note
 from ..master.progress import progress_bar
@@ -56,10 +54,7 @@ def simulate(path: Path, step: float | None, stop: float | None, algorithm: str 
             note(remark)
         said = {"system": found.name, "components": list(found.sources), "algorithm": word, "step_s": size,
                 "stop_s": end, "start_s": state.time if state else begin}
-        # A signal lets the writing end; rows of a stream are on the disk already.
-        holding: AbstractContextManager[list[int]] = nullcontext([]) if stream else interruptions()
-        with (claimed(out, "simulate", safe(path.stem)) as folder,
-              holding as interrupted):
+        with flown_into(out, "simulate", safe(path.stem), stream) as (folder, interrupted):
             rows = asked(folder, {**said, "files": found.sources}) if stream else None
             bar, progress = progress_bar(found.name, end)
             with bar:  # FMUs of unknown origin may crash

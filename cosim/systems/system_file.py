@@ -13,6 +13,7 @@ from collections.abc import Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
 from math import isfinite
+from os.path import isfile
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -131,7 +132,7 @@ class Read:
 def is_system_file(path: str | Path) -> bool:
     """Whether the file at `path` is a YAML file that says of which components a system is made."""
     path = Path(path)
-    if path.suffix.lower() not in (".yaml", ".yml") or not path.is_file():
+    if path.suffix.lower() not in (".yaml", ".yml") or not isfile(path):
         return False
     data = Source(path, "system file").data
     return isinstance(data, dict) and "components" in data

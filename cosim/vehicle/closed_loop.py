@@ -190,16 +190,17 @@ def check_limits(controller: Component) -> None:
     """Raises UsageError for a lower limit of an actuator that is above its upper limit."""
     from ..master.fmu import FmuFile
 
-    for pair in LIMITS:
-        if not set(pair) & set(controller.values):
-            continue
-        with FmuFile.open(controller.fmu) as file:
+    pairs = [pair for pair in LIMITS if set(pair) & set(controller.values)]
+    if not pairs:
+        return
+    with FmuFile.open(controller.fmu) as file:
+        for pair in pairs:
             words = {name: word for name in pair if name in file.variables
                      and (word := controller.values.get(name, file.variables[name].start)) is not None}
-            low, *high = (float(file.checked(name, word, "controller")) for name, word in words.items())
-        if high and low > high[0]:
-            least, most = (f"controller.{name} = {word}" for name, word in words.items())
-            raise UsageError(f"{least} is not allowed: it is above {most}.")
+            limits = [float(file.checked(name, word, "controller")) for name, word in words.items()]
+            if len(limits) == 2 and limits[0] > limits[1]:
+                least, most = (f"controller.{name} = {word}" for name, word in words.items())
+                raise UsageError(f"{least} is not allowed: it is above {most}.")
 
 
 def check_scenario(scenario: Scenario, parts: Mapping[str, Choice], flown: set[str]) -> None:

@@ -1,13 +1,11 @@
 """One flight of a scenario, from words to a folder of results: what `ahv run` does."""
 from collections.abc import Mapping, Sequence
-from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from ..master.flight import Flight
-from ..master.folder import claimed
-from ..master.interruptions import interruptions
+from ..master.folder import flown_into
 from ..master.isolated import launch
 from ..master.progress import progress_bar
 from ..master.recover import asked
@@ -50,10 +48,7 @@ def run(scenario: str | Scenario, controller: str = "neural", preset: Mapping[st
     plan = scenarios.load(scenario) if isinstance(scenario, str) else scenario
     presets = {"controller": preset} if isinstance(preset, str) else dict(preset or {})
     loop = closed_loop(plan, controller, plant, flavour, presets, values, uncertainty)
-    # A signal lets the writing end; rows of a stream are on the disk already.
-    holding: AbstractContextManager[list[int]] = nullcontext([]) if stream else interruptions()
-    with (claimed(out, "run", plan.name) as folder,
-          holding as interrupted):
+    with flown_into(out, "run", plan.name, stream) as (folder, interrupted):
         end = plan.stop if stop is None else stop
         said = said_of(plan, loop, algorithm, step, end)
         rows = asked(folder, said) if stream else None

@@ -126,3 +126,9 @@ def test_a_lower_limit_above_its_upper_limit_is_refused(words, sentence):
 def test_limits_that_meet_are_flown():
     closed_loop(scenarios.load("hold"), values=assignments(["controller.elevator_min=5deg",
                                                             "controller.elevator_max=5deg"]))
+
+
+def test_limits_are_no_matter_for_a_controller_that_has_none(native_fmus):
+    with pytest.raises(UsageError, match=r"AhvScenario\.fmu\) has no output fuel_ratio, which the closed loop needs"):
+        closed_loop(scenarios.load("hold"), f"mine={native_fmus['AhvScenario']}",
+                    values=assignments(["controller.elevator_min=1deg"]))
