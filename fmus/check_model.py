@@ -149,10 +149,12 @@ def check_states(model: ModuleType) -> None:
         if hasattr(model, "STATES"):
             raise ModelError(model, "there are STATES, but no function derivative; STATES name its rates")
         return
+    table = variables(model.VARIABLES)
+    if sample_time(table) is not None:
+        raise ModelError(model, "there are sample_time and derivative; a discrete law has advance only")
     if not isinstance(getattr(model, "STATES", None), (list, tuple)):
         raise ModelError(model, "STATES is missing or is not a list; beside derivative it has, for each rate, the name "
                                 "of an output or a row with the causality 'local'")
-    table = variables(model.VARIABLES)
     found = {v.name for v in table}
     shown = [v.name for v in table if v.causality == "output" and v.type == "Real" and not v.discrete]
     for i, entry in enumerate(model.STATES):
@@ -167,8 +169,6 @@ def check_states(model: ModuleType) -> None:
         check_values(model, v)
         if v.type == "Boolean" or v.discrete:
             raise ModelError(model, f"{v.name}: a continuous state has a unit, and is not discrete")
-    if sample_time(table) is not None:
-        raise ModelError(model, "there are sample_time and derivative; a discrete law has advance only")
     if not hasattr(model, "advance") and "internal_step" not in names(table, "parameter"):
         raise ModelError(model, "there is no parameter internal_step; a model without advance is integrated in steps "
                                 "no longer than that")

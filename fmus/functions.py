@@ -34,7 +34,7 @@ def nothing(m: Any, p: Any, h: Any) -> list[Any]:
 
 def functions(model: ModuleType) -> Functions:
     """The functions of `model`."""
-    own = Functions(model.start, getattr(model, "prepare", nothing), advancing(model), model.outputs)
+    own = Functions(model.start, getattr(model, "prepare", None) or nothing, advancing(model), model.outputs)
     table = variables(model.VARIABLES)
     return sampled(own, computed(table)) if "sample_time" in names(table, "parameter") else own
 
