@@ -86,7 +86,7 @@ class Files:
         from cosim.ssp.write import write
         from cosim.vehicle import scenarios
         from cosim.vehicle.closed_loop import closed_loop
-        from fmus.build import DIST
+        from fmus.builder import DIST
 
         plan = scenarios.load("case1")
         self.folder, self.loop = folder, closed_loop(plan, flavour="native").system

@@ -16,7 +16,7 @@ import fmpy
 from fmpy.fmi2 import FMU2Slave
 
 from cosim.vehicle.registry import MODELS
-from fmus.build import DIST
+from fmus.builder import DIST
 from fmus.interface import internal_steps, variables
 from fmus.native_compiler import COMPILE, cc
 from fmus.trace import trace_model

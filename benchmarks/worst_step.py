@@ -18,7 +18,7 @@ import fmpy
 import numpy as np
 from native_step import HERE, INCLUDE, STEP
 
-from fmus.build import DIST
+from fmus.builder import DIST
 from fmus.native_compiler import COMPILE, cc
 
 PASSES = 3

@@ -1,5 +1,4 @@
 """Builds the FMU file of a model, in one flavour."""
-from importlib import import_module
 from importlib.metadata import distribution, version
 from pathlib import Path
 from types import ModuleType
@@ -7,24 +6,29 @@ from types import ModuleType
 from . import documentation, native_flavour, pack, python_flavour
 from .check_model import checked_trace
 from .description import model_description, parameter_set
+from .load_model import loaded
 
 DIST = Path(__file__).parent / "dist"
 
 FLAVOURS = {"python": python_flavour, "native": native_flavour}
 
 
-def build(model: ModuleType | str, flavour: str, dist: Path = DIST, arm: bool = False) -> Path:
+def build(model: ModuleType | Path | str, flavour: str = "native", dist: Path | str = DIST, arm: bool = False) -> Path:
     """Write `dist`/`flavour`/NAME.fmu and return its path. The same sources give the same
     bytes with the same versions of what makes the FMU, which `generationTool` names.
 
-    `model` is a module as `fmus.interface` describes it, or its dotted name; `flavour` is one of FLAVOURS. `arm` adds
-    binaries for Arm processors where the flavour has them.
+    `model` is a module as `fmus.interface` describes it, its file (a Path, or text that ends in .py), or its dotted
+    name; `flavour` is native or python. `arm` adds binaries for Arm processors where the flavour has them.
 
     Raises ModelError (`fmus.check_model`) for a mistake in the model, and RuntimeError where the C compiler is missing
     or fails.
     """
-    if isinstance(model, str):
-        model = import_module(model)
+    with loaded(model) as module:
+        return build_module(module, flavour, Path(dist), arm)
+
+
+def build_module(model: ModuleType, flavour: str, dist: Path, arm: bool) -> Path:
+    """As `build`, of a model that is loaded. Raises as `build` does."""
     maker = FLAVOURS[flavour]
     trace = checked_trace(model)
     files = maker.files(model, trace)
