@@ -8,7 +8,7 @@ from typing import Any, TypeGuard
 
 from .interface import CAUSALITIES, COLUMNS, GIVEN, Variable, names, sample_time, states, variables
 from .mistakes import ModelError, file_place, function_place, key_place, nearest, row_place
-from .units import si_base
+from .units import BASE_UNITS, WORTH, Worth, si_base
 
 STEPS = ("internal_step", "sample_time")
 KINDS = ("", "frequency", "discrete")  # what may follow a unit, see `fmus.interface`
@@ -44,6 +44,7 @@ def finite_number(value: object) -> TypeGuard[float]:
 
 def check_table(model: ModuleType) -> None:
     """Raises ModelError for a row of VARIABLES that has another length, contradicts itself, or cannot be written."""
+    check_units(model)
     found: set[str] = set()
     for i, row in enumerate(model.VARIABLES):
         check_row(model, ("VARIABLES", i, row), CAUSALITIES, found)
@@ -82,7 +83,7 @@ def check_row(model: ModuleType, place: Place, causalities: tuple[str, ...], fou
         raise mistake(f"{name} stands twice in the table; names must differ")
     if causality not in causalities:
         raise mistake(f"{name}: causality {causality!r} is none of {', '.join(causalities)}")
-    reason = unit_mistake(unit)
+    reason = unit_mistake(unit, getattr(model, "UNITS", {}))
     if reason:
         raise mistake(f"{name}: {reason}")
     if not line_of_text(description):
@@ -133,14 +134,33 @@ def check_states(model: ModuleType) -> None:
                                 "no longer than that", file_place(model))
 
 
-def unit_mistake(text: object) -> str | None:
-    """Why `text` cannot be the unit in a row, or None."""
+def check_units(model: ModuleType) -> None:
+    """Raises ModelError for UNITS that are not the worth of new names in units that there are."""
+    own = getattr(model, "UNITS", {})
+    if not isinstance(own, dict):
+        raise ModelError(model, "UNITS is not a dict of names and their worth, such as {'furlong': (220, 'yd')}",
+                         file_place(model))
+    for name, worth in own.items():
+        place = key_place(model, name)
+        if not (isinstance(name, str) and re.fullmatch("[A-Za-z]+", name)) or name in {*WORTH, *BASE_UNITS}:
+            raise ModelError(model, f"UNITS names {name!r}; a new unit's name has ASCII letters only and is not in use",
+                             place)
+        if not (isinstance(worth, tuple) and len(worth) == 2 and finite_number(worth[0]) and worth[0] > 0):
+            raise ModelError(model, f"UNITS gives {worth!r} for {name}; a unit's worth is how many of which unit, such "
+                                    "as (220, 'yd')", place)
+        reason = unit_mistake(worth[1] or None, {})
+        if reason:
+            raise ModelError(model, f"UNITS: {name}: {reason}", place)
+
+
+def unit_mistake(text: object, own: dict[str, Worth]) -> str | None:
+    """Why `text` cannot be the unit in a row, or None; `own` are the model's UNITS."""
     if not isinstance(text, str):
         return f"the unit {text!r} is not text, such as 'ft/s'; '' makes a Boolean"
     unit, _, kind = text.partition(" ")
     try:
         if unit:
-            si_base(unit)
+            si_base(unit, own)
     except ValueError as error:
         return f"in the unit {text!r}, {error}; '' makes a Boolean"
     return None if kind in KINDS else f"in the unit {text!r}, only 'frequency' or 'discrete' may follow"

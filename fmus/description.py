@@ -1,4 +1,5 @@
 """Writes modelDescription.xml and the presets' parameter sets (SSV) from a model's table."""
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import ModuleType
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
@@ -7,7 +8,7 @@ import casadi
 
 from .interface import Variable, computed, names, variables
 from .trace import Trace
-from .units import DEGREES, si_base
+from .units import DEGREES, Worth, si_base
 
 AUTHOR = "the AHV FMU authors"
 COPYRIGHT = f"Copyright 2026 {AUTHOR}"
@@ -39,12 +40,12 @@ def boolean(value: object) -> str:
     return "true" if value else "false"
 
 
-def add_units(root: Element, table: list[Variable]) -> None:
-    """<UnitDefinitions>: the units of the table in SI base units, and what they are shown in."""
+def add_units(root: Element, table: list[Variable], own: Mapping[str, Worth]) -> None:
+    """<UnitDefinitions>: the units of the table in SI base units, and what they are shown in; `own` are the model's."""
     definitions = SubElement(root, "UnitDefinitions")
     for unit in sorted({v.unit for v in table} - {""}):
         element = SubElement(definitions, "Unit", name=unit)
-        factor, exponents = si_base(unit)
+        factor, exponents = si_base(unit, own)
         base = {name: str(exponent) for name, exponent in exponents.items()}
         if factor != 1.0:
             base["factor"] = number(factor)
@@ -126,7 +127,7 @@ def model_description(model: ModuleType, trace: Trace, flavour: Flavour, guid: s
         files = SubElement(interface, "SourceFiles")
         for source in flavour.sources:
             SubElement(files, "File", name=source)
-    add_units(root, table)
+    add_units(root, table, getattr(model, "UNITS", {}))
     categories = SubElement(root, "LogCategories")
     for name, text in LOG_CATEGORIES.items():
         SubElement(categories, "Category", name=name, description=text)

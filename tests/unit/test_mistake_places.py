@@ -1,6 +1,7 @@
 """A mistake in a model's file is told with its line, before anything is built."""
 import sys
 from pathlib import Path
+from zipfile import ZipFile
 
 import pytest
 
@@ -84,6 +85,13 @@ PLACES = {
                                     "has no files of that name."),
     "a preset": ('{"gain": 4.0}', '{"gain": 7.0}', "Gain: the preset double sets gain, but the value 7.0 is outside",
                  "(gain.py, line 15)."),
+    "a unit of its own that is none": ("VARIABLES = [", 'UNITS = {\n    "ell": (1, "elle"),\n}\nVARIABLES = [',
+                                       "Gain: UNITS: ell: in the unit 'elle', 'elle' is not known; ",
+                                       "(gain.py, line 8)."),
+    "a unit that there is": ("VARIABLES = [", 'UNITS = {"mm": (2, "m")}\nVARIABLES = [', "Gain: UNITS names 'mm'; a ",
+                             "(gain.py, line 7)."),
+    "a worth that is none": ("VARIABLES = [", 'UNITS = {"ell": 1.1}\nVARIABLES = [', "Gain: UNITS gives 1.1 for ell; ",
+                             "(gain.py, line 7)."),
     "a function that is missing": ("def start(", "def begin(", "Gain: there is no function start(m, u, p)",
                                    "(gain.py)."),
     "other arguments": ("def advance(m, t, h, x, u, p, c)", "def advance(m, t, h, x)", "Gain: advance(m, t, h, x) has ",
@@ -127,6 +135,14 @@ def test_a_file_is_built_and_forgotten_so_that_another_may_have_files_of_the_sam
     assert first != other
     assert fmus.build(file, "python", tmp_path / "third").read_bytes() == first
     assert not {"gain", "gain_table"} & set(sys.modules)
+
+
+def test_a_unit_of_its_own_is_written_with_its_worth(written, tmp_path):
+    file = written('"u", "input", "m"', '"u", "input", "ell/s"')
+    file.write_text(file.read_text().replace("PRESETS", 'UNITS = {"ell": (1.143, "m")}\nPRESETS'))
+    with ZipFile(fmus.build(file, "python", tmp_path / "dist")) as archive:
+        text = archive.read("modelDescription.xml").decode()
+    assert '<Unit name="ell/s">\n      <BaseUnit m="1" s="-1" factor="1.143" />' in text
 
 
 def test_a_model_in_a_package_knows_its_neighbours(tmp_path):
