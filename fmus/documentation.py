@@ -6,8 +6,8 @@ from html import escape
 from pathlib import Path
 from types import ModuleType
 
-from .description import dependencies
-from .interface import Variable, computed, names, variables
+from .dependencies import dependencies
+from .interface import Variable, names, variables
 from .model_files import model_files
 from .trace import Trace
 
@@ -56,8 +56,8 @@ def page(model: ModuleType, trace: Trace) -> bytes:
     """documentation/index.html. Raises ModelError as `model_files` does."""
     table = variables(model.VARIABLES)
     inputs = names(table, "input")
-    feeds = [[name, ", ".join(inputs[i] for i in columns) or "no input"]
-             for name, columns in zip(computed(table), dependencies(trace)[0])]
+    feeds = [[name, ", ".join(n for n in needs if n in inputs) or "no input"]
+             for name, needs in dependencies(model, trace).after_step.items()]
     head = ["name", "reference", "shown in", "start", "min", "max", "meaning"]
     presets = []
     for name, values in model.PRESETS.items():
