@@ -24,9 +24,11 @@ SSV = "http://ssp-standard.org/SSP1/SystemStructureParameterValues"
 
 @dataclass(frozen=True)
 class Flavour:
-    """What one kind of FMU binary can do; attributes of <CoSimulation>, and its C sources if it has any."""
+    """What one kind of FMU binary can do, as attributes of FMI 2.0's <CoSimulation>; its C sources if it has any, and
+    the FMI versions that it serves."""
     capabilities: dict[str, str]
     sources: list[str] = field(default_factory=list)
+    versions: tuple[str, ...] = ("2",)
 
 
 def number(value: float) -> str:
@@ -39,10 +41,17 @@ def boolean(value: object) -> str:
     return "true" if value else "false"
 
 
-def add_units(root: Element, table: list[Variable]) -> None:
-    """<UnitDefinitions>: the units of the table in SI base units, and what they are shown in."""
+def head(model: ModuleType, version: str, tool: str, fmi: str, **token: str) -> Element:
+    """<fmiModelDescription> of FMI `fmi`, without content; `token` is the attribute that identifies the build."""
+    return Element("fmiModelDescription", fmiVersion=fmi, modelName=model.NAME, **token,
+                   description=model.DESCRIPTION, version=version, author=AUTHOR, copyright=COPYRIGHT,
+                   license=LICENSE, generationTool=tool, variableNamingConvention="flat")
+
+
+def add_units(root: Element, table: list[Variable], *further: str) -> None:
+    """<UnitDefinitions>: the units of the table and `further` ones in SI base units, and what they are shown in."""
     definitions = SubElement(root, "UnitDefinitions")
-    for unit in sorted({v.unit for v in table} - {""}):
+    for unit in sorted({*further, *(v.unit for v in table)} - {""}):
         element = SubElement(definitions, "Unit", name=unit)
         factor, exponents = si_base(unit)
         base = {name: str(exponent) for name, exponent in exponents.items()}
@@ -108,10 +117,7 @@ def model_description(model: ModuleType, trace: Trace, flavour: Flavour, guid: s
     `tool` names what made the FMU, with versions.
     """
     table = variables(model.VARIABLES)
-    root = Element("fmiModelDescription", fmiVersion="2.0", modelName=model.NAME, guid=guid,
-                   description=model.DESCRIPTION, version=version, author=AUTHOR, copyright=COPYRIGHT,
-                   license=LICENSE, generationTool=tool,
-                   variableNamingConvention="flat")
+    root = head(model, version, tool, "2.0", guid=guid)
     interface = SubElement(root, "CoSimulation", modelIdentifier=model.NAME,
                            canHandleVariableCommunicationStepSize="true", attrib=flavour.capabilities)
     if flavour.sources:
