@@ -4,10 +4,8 @@ from importlib.metadata import distribution, version
 from pathlib import Path
 from types import ModuleType
 
-from . import description, description3, documentation, native_flavour, pack, python_flavour
+from . import description, description3, documentation, native_flavour, pack, places, python_flavour
 from .check_model import checked_trace
-
-DIST = Path(__file__).parent / "dist"
 
 FLAVOURS = {"python": python_flavour, "native": native_flavour}
 DESCRIBE = {"2": description.model_description, "3": description3.model_description}  # FMI version -> its description
@@ -23,11 +21,12 @@ def folder(flavour: str, fmi: str = "2") -> str:
     return flavour if fmi == "2" else f"{flavour}-fmi{fmi}"
 
 
-def build(model: ModuleType | str, flavour: str, dist: Path = DIST, fmi: str = "2") -> Path:
+def build(model: ModuleType | str, flavour: str, dist: Path | None = None, fmi: str = "2") -> Path:
     """Write `dist`/FOLDER/NAME.fmu, an FMU of FMI `fmi` (one of `versions`), and return its path. The same sources give
     the same bytes with the same versions of what makes the FMU, which `generationTool` names.
 
-    `model` is a module as `fmus.interface` describes it, or its dotted name; `flavour` is one of FLAVOURS.
+    `model` is a module as `fmus.interface` describes it, or its dotted name; `flavour` is one of FLAVOURS; without
+    `dist` it is the folder that `places.written` names.
 
     Raises ModelError (`fmus.check_model`) for a mistake in the model, and RuntimeError where the C compiler is missing
     or fails.
@@ -59,7 +58,7 @@ def build(model: ModuleType | str, flavour: str, dist: Path = DIST, fmi: str = "
         files["terminalsAndIcons/icon.png"] = icon
         files["terminalsAndIcons/terminalsAndIcons.xml"] = description3.terminals(model)
         files["sources/buildDescription.xml"] = description3.build_description(model, maker.FLAVOUR)
-    path = dist / folder(flavour, fmi) / f"{model.NAME}.fmu"
+    path = (dist or places.written()) / folder(flavour, fmi) / f"{model.NAME}.fmu"
     pack.write(path, files)
     return path
 

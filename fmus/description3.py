@@ -13,7 +13,7 @@ from .description import (
     variable_attributes,
     xml_bytes,
 )
-from .interface import Variable, computed, names, variables
+from .interface import computed, names, variables
 from .trace import Trace
 
 VERSION = "3.0"

@@ -27,7 +27,7 @@ def build(
     kinds = FLAVOURS if flavour == "all" else [choice("flavour", flavour, [*FLAVOURS, "all"])]
     wanted = [(kind, version) for kind in kinds for version in versions(kind) if fmi in (version, "all")]
     if not wanted:
-        raise UsageError(f"--fmi {fmi} has no FMU of the flavour {flavour}: it is built for FMI {versions(flavour)[0]}.")
+        raise UsageError(f"--fmi {fmi} has no FMU of the flavour {flavour}, which is for FMI {versions(flavour)[0]}.")
     try:
         for kind, version in wanted:
             for name in models or MODELS:
