@@ -8,6 +8,7 @@ from types import ModuleType, SimpleNamespace
 from pythonfmu.fmi2slave import Fmi2Slave
 
 from . import floats
+from .integrators import advancing
 from .interface import GIVEN, Variable, internal_steps, names, variables
 from .refusal import Refused, out_of_range, refusing, startable, unwired
 
@@ -33,6 +34,7 @@ class ModelSlave(Fmi2Slave):  # type: ignore[misc]
         self.computed = [v for v in table if v.causality in ("output", "calculatedParameter")]
         self.bounded = [v for v in self.computed if v.minimum is not None or v.maximum is not None]
         self.has_internal_step = "internal_step" in names(table, "parameter")
+        self.step_model = advancing(self.model)
         self.x: list[float] = []
         self.time, self.stop_time = 0.0, inf
         self.phase = "instantiated"
@@ -256,7 +258,7 @@ class ModelSlave(Fmi2Slave):  # type: ignore[misc]
 
     def advance(self, time: float, step: float, count: int, h: float, c: list[float]) -> str | None:
         """Take the state `step` seconds after `time`, in `count` steps of `h`, or return why not."""
-        x, u, p, advance = self.x, self.u, self.p, self.model.advance
+        x, u, p, advance = self.x, self.u, self.p, self.step_model
         try:
             for i in range(count):
                 x = advance(floats, time + i * h, h, x, u, p, c)
