@@ -43,7 +43,7 @@ def boolean(value: object) -> str:
 
 def head(model: ModuleType, version: str, tool: str, fmi: str, **token: str) -> Element:
     """<fmiModelDescription> of FMI `fmi`, without content; `token` is the attribute that identifies the build."""
-    return Element("fmiModelDescription", fmiVersion=fmi, modelName=model.NAME, **token,
+    return Element("fmiModelDescription", token, fmiVersion=fmi, modelName=model.NAME,
                    description=model.DESCRIPTION, version=version, author=AUTHOR, copyright=COPYRIGHT,
                    license=LICENSE, generationTool=tool, variableNamingConvention="flat")
 
