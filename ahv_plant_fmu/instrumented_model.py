@@ -113,7 +113,8 @@ def advance(m, t, h, x, u, p, c):
         actuators.append(later)
         lines.append(shifted(line, command))
     held = SimpleNamespace(**{**vars(u), "fuel_ratio": used[0], "elevator": used[1]})
-    vehicle = plant.advance(m, t, h, s.vehicle, held, p, c)
+    states = m.integrate(lambda t, x: plant.derivative(m, t, x, held, p), t, s.vehicle[:9], h, plant.ORDER)
+    vehicle = [*states, *s.vehicle[9:]]
     lines += [shifted(line, now) for line, now in zip(s.lines[2:], vehicle[:5])]
     return [*vehicle, *actuators, *(value for line in lines for value in line)]
 
