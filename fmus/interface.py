@@ -56,6 +56,7 @@ class Variable:
     value_reference: int
     display_unit: str | None  # the unit that people read, deg for rad; None where it is `unit`
     discrete: bool = False    # changes at the end of communication steps only
+    derivative_of: str | None = None  # the continuous state that this is the rate of (see `fmus.references`)
 
     @property
     def type(self) -> str:
