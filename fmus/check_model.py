@@ -19,7 +19,7 @@ import casadi
 
 from . import floats, symbols
 from .integrators import METHODS, USUAL_ORDER, advancing
-from .interface import CAUSALITIES, COLUMNS, GIVEN, Variable, computed, names, states, variables
+from .interface import CAUSALITIES, COLUMNS, GIVEN, Variable, computed, names, sample_time, states, variables
 from .trace import Trace, trace_model
 from .units import si_base
 
@@ -27,6 +27,7 @@ ARGUMENTS = {"start": "m, u, p", "derivative": "m, t, x, u, p", "advance": "m, t
              "outputs": "m, t, x, u, p", "prepare": "m, p, h"}
 OPTIONAL = ("derivative", "advance", "prepare")
 STEP = 0.01  # s, for the trial step
+STEPS = ("internal_step", "sample_time")
 KINDS = ("", "frequency", "discrete")  # what may follow a unit, see `fmus.interface`
 BACKEND = sorted(name for name in vars(floats) if not name.startswith("_"))
 NAME_RULE = "a name has ASCII letters, digits and _, begins with no digit and is no Python keyword"
@@ -108,8 +109,11 @@ def check_table(model: ModuleType) -> None:
         check_row(model, f"row {i + 1} of VARIABLES", row, CAUSALITIES, found)
     for v in variables(model.VARIABLES):
         check_values(model, v)
-        if v.name == "internal_step" and not (v.causality == "parameter" and v.unit == "s" and (v.minimum or 0) > 0):
-            raise ModelError(model, "internal_step must be a parameter in s with a minimum above 0")
+        if v.name in STEPS and not (v.causality == "parameter" and v.unit == "s" and (v.minimum or 0) > 0):
+            raise ModelError(model, f"{v.name} must be a parameter in s with a minimum above 0")
+    if found.issuperset(STEPS):
+        raise ModelError(model, "sample_time and internal_step exclude each other; a discrete law takes no internal "
+                                "steps")
 
 
 def check_row(model: ModuleType, place: str, row: Any, causalities: tuple[str, ...], found: set[str]) -> None:
@@ -145,10 +149,12 @@ def check_states(model: ModuleType) -> None:
         if hasattr(model, "STATES"):
             raise ModelError(model, "there are STATES, but no function derivative; STATES name its rates")
         return
+    table = variables(model.VARIABLES)
+    if sample_time(table) is not None:
+        raise ModelError(model, "there are sample_time and derivative; a discrete law has advance only")
     if not isinstance(getattr(model, "STATES", None), (list, tuple)):
         raise ModelError(model, "STATES is missing or is not a list; beside derivative it has, for each rate, the name "
                                 "of an output or a row with the causality 'local'")
-    table = variables(model.VARIABLES)
     found = {v.name for v in table}
     shown = [v.name for v in table if v.causality == "output" and v.type == "Real" and not v.discrete]
     for i, entry in enumerate(model.STATES):
@@ -247,7 +253,7 @@ def check_functions(model: ModuleType) -> None:
     it should not."""
     table = variables(model.VARIABLES)
     u, p = (SimpleNamespace(**{v.name: v.start for v in table if v.causality == kind}) for kind in GIVEN)
-    h = min(STEP, float(getattr(p, "internal_step", STEP)))
+    h = sample_time(table) or min(STEP, float(getattr(p, "internal_step", STEP)))
 
     def call(name: str, *arguments: Any) -> Any:
         return attempt(model, u, p, getattr(model, name), floats, *arguments)

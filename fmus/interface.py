@@ -24,12 +24,14 @@ Beside `derivative` stands
     ORDER                  optional, 1, 2, 4 or 6: the method of `fmus.integrators` that integrates `derivative` where
                            there is no `advance`; else 4
 
-A model is advanced in equal steps of at most its parameter `internal_step`, where it has one; the range of an output
-is where the model is valid, the range of an input where it can start.
+A model is advanced in equal steps of at most its parameter `internal_step`, where it has one. A model with a parameter
+`sample_time` is a discrete law: it runs `advance` with that h, and then `outputs`, at the start time and at each
+multiple of `sample_time` after it, whatever the communication step, and its outputs are held in between (see
+`fmus.functions`). The range of an output is where the model is valid, the range of an input where it can start.
 
 `fmus.check_model` finds the mistakes of a model before it becomes an FMU; nothing here looks for them.
 """
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import ceil, degrees
 from types import ModuleType
 
@@ -55,6 +57,7 @@ class Variable:
     value_reference: int
     display_unit: str | None  # the unit that people read, deg for rad; None where it is `unit`
     discrete: bool = False    # changes at the end of communication steps only
+    derivative_of: str | None = None  # the continuous state that this is the rate of (see `fmus.references`)
 
     @property
     def type(self) -> str:
@@ -82,7 +85,19 @@ def record(row: Row, value_reference: int) -> Variable:
 
 def variables(rows: list[Row]) -> list[Variable]:
     """The table of a model (its VARIABLES) as records, in the table's order."""
-    return [record(row, i) for i, row in enumerate(rows)]
+    table = [record(row, i) for i, row in enumerate(rows)]
+    sampled = sample_time(table) is not None
+    return [replace(v, discrete=True) if sampled and v.causality == "output" else v for v in table]
+
+
+def sample_time(table: list[Variable]) -> float | None:
+    """The time between the instants of a discrete law, s, as its parameter starts; None for other models."""
+    return next((v.start for v in table if v.name == "sample_time" and v.causality == "parameter"), None)
+
+
+def longest_step(table: list[Variable]) -> str | None:
+    """The name of the parameter that no internal step is longer than, None where there is none."""
+    return next((name for name in names(table, "parameter") if name in ("internal_step", "sample_time")), None)
 
 
 def states(model: ModuleType) -> list[Variable]:

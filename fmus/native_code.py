@@ -5,7 +5,7 @@ from types import ModuleType
 
 import casadi
 
-from .interface import Variable, computed, names, variables
+from .interface import Variable, computed, longest_step, names, variables
 from .trace import Trace
 from .units import DEGREES
 
@@ -83,11 +83,12 @@ def table_header(model: ModuleType, trace: Trace) -> str:
     groups = {"input": names(rows, "input"), "parameter": names(rows, "parameter")}
     y = computed(rows)
     results = [rows[reference[name]] for name in y]
-    step = groups["parameter"].index("internal_step") if "internal_step" in groups["parameter"] else None
+    longest = longest_step(rows)
+    place = groups["parameter"].index(longest) if longest else None
     return "\n".join([
         f'#define MODEL_NAME "{model.NAME}"',
         f"enum {{ NV = {len(rows)}, " + ", ".join(f"N{k.upper()} = {n}" for k, n in trace.sizes.items()) + " };",
-        f"#define INTERNAL_STEP(p) {'INFINITY' if step is None else f'((p)[{step}])'}",
+        f"#define INTERNAL_STEP(p) {f'((p)[{place}])' if longest else 'INFINITY'}",
         "",
         "static const Variable TABLE[] = {",
         *(table_row(v, groups.get(v.causality, y).index(v.name)) for v in rows),

@@ -5,7 +5,7 @@ from types import ModuleType, SimpleNamespace
 import casadi
 
 from . import symbols
-from .integrators import advancing
+from .functions import functions
 from .interface import computed, names, variables
 
 
@@ -43,11 +43,11 @@ def trace_model(model: ModuleType) -> Trace:
     u, p = casadi.SX.sym("u", len(input_names)), casadi.SX.sym("p", len(parameter_names))
     un, pn = symbol_namespace(u, input_names), symbol_namespace(p, parameter_names)
 
-    x0 = model.start(symbols, un, pn)
-    c0 = model.prepare(symbols, pn, h) if hasattr(model, "prepare") else []
+    does = functions(model)
+    x0, c0 = does.start(symbols, un, pn), does.prepare(symbols, pn, h)
     x, c = casadi.SX.sym("x", len(x0)), casadi.SX.sym("c", len(c0))
     xs, cs = [x[i] for i in range(len(x0))], [c[i] for i in range(len(c0))]
-    y = model.outputs(symbols, t, xs, un, pn)
+    y = does.outputs(symbols, t, xs, un, pn)
 
     rates = model.derivative(symbols, t, xs, un, pn) if hasattr(model, "derivative") else None
 
@@ -59,6 +59,6 @@ def trace_model(model: ModuleType) -> Trace:
         prepare=function("prepare", {"p": p, "h": h}, c0, "c"),
         start=function("start", {"u": u, "p": p}, x0, "x0"),
         advance=function("advance", {"t": t, "h": h, "x": x, "u": u, "p": p, "c": c},
-                         advancing(model)(symbols, t, h, xs, un, pn, cs), "x1"),
+                         does.advance(symbols, t, h, xs, un, pn, cs), "x1"),
         outputs=function("outputs", {"t": t, "x": x, "u": u, "p": p}, [y[name] for name in computed(table)], "y"),
         derivative=None if rates is None else function("derivative", {"t": t, "x": x, "u": u, "p": p}, rates, "rates"))

@@ -106,6 +106,12 @@ MISTAKES = {
     "a state that its output does not show": ('"place": x[0]', '"place": 2 * x[0]',
         "outputs() gives something else for place than state 0, which STATES names so"),
     "no internal step": (STEP, "", "there is no parameter internal_step; a model without advance is integrated in"),
+    "a sample time beside a derivative": ('"internal_step", "parameter"', '"sample_time", "parameter"',
+        "there are sample_time and derivative; a discrete law has advance only"),
+    "a sample time and internal steps": (STEP, STEP + STEP.replace("internal_step", "sample_time"),
+        "sample_time and internal_step exclude each other; a discrete law takes no internal steps"),
+    "a sample time of nothing": (STEP, STEP + STEP.replace("internal_step", "sample_time").replace("1e-6", "0.0"),
+        "sample_time must be a parameter in s with a minimum above 0"),
     "an if in the derivative": ("return [x[1], u", "return [x[1] if x[1] > 0 else 0.0, u",
         "derivative() in spring.py, line 22, decides on a symbol"),
 }
