@@ -4,19 +4,19 @@ from types import ModuleType
 
 import casadi
 
-from .interface import computed, names, variables
+from .interface import computed, names, states, variables
+from .references import all_variables
 from .trace import Trace
-
-TIME = "time"  # what stands for the time among the names of knowns
 
 
 @dataclass(frozen=True)
 class Dependencies:
-    """Name of a computed variable -> names of the variables that it depends on directly, in the table's order.
+    """Name of what is computed (what `outputs` returns, continuous states, their derivatives) -> names of the variables
+    that it depends on directly, in the order of value references.
 
-    `after_step` are the inputs, continuous states and TIME that decide on it at a communication point; `at_start` the
-    inputs, parameters and TIME that decide on its initial value. Fixed parameters do not change after the start, so
-    that `after_step` leaves them out.
+    `after_step` are the inputs, continuous states and time that decide on it at a communication point; `at_start` the
+    inputs, parameters and time that decide on its initial value. Fixed parameters do not change after the start, so
+    that `after_step` leaves them out, and of the states only what else shows them has an entry there.
     """
     after_step: dict[str, list[str]]
     at_start: dict[str, list[str]]
@@ -34,13 +34,24 @@ def rows(expression: casadi.SX, knowns: casadi.SX) -> list[list[int]]:
 
 def dependencies(model: ModuleType, trace: Trace) -> Dependencies:
     """What the computed variables of `model` depend on."""
-    table = variables(model.VARIABLES)
-    inputs, parameters = names(table, "input"), names(table, "parameter")
+    table, everything, continuous = variables(model.VARIABLES), all_variables(model), states(model)
+    place = {v.name: v.value_reference for v in everything}
+    time = everything[-1].name
+    inputs, parameters, n = names(table, "input"), names(table, "parameter"), len(continuous)
     t, x, u, p = (trace.outputs.sx_in(name) for name in "txup")
+    shown = [*computed(table), *(v.name for v in everything if v.derivative_of)]
 
-    def found(y: casadi.SX, knowns: casadi.SX, known_names: list[str]) -> dict[str, list[str]]:
-        return {name: [known_names[i] for i in columns] for name, columns in zip(computed(table), rows(y, knowns))}
+    def all_of(x: casadi.SX) -> casadi.SX:
+        rates = trace.derivative(t, x, u, p) if trace.derivative else casadi.SX(0, 1)
+        return casadi.vertcat(trace.outputs(t, x, u, p), rates)
 
+    def found(what: list[str], y: casadi.SX, knowns: casadi.SX, known_names: list[str]) -> dict[str, list[str]]:
+        return {name: sorted((known_names[i] for i in columns), key=place.__getitem__)
+                for name, columns in zip(what, rows(y, knowns))}
+
+    start = trace.start(u, p)
+    hidden = [i for i, v in enumerate(continuous) if v.causality == "local"]
     return Dependencies(
-        found(trace.outputs(t, x, u, p), casadi.vertcat(u, t), [*inputs, TIME]),
-        found(trace.outputs(t, trace.start(u, p), u, p), casadi.vertcat(u, p, t), [*inputs, *parameters, TIME]))
+        found(shown, all_of(x), casadi.vertcat(u, t, x[:n]), [*inputs, time, *(v.name for v in continuous)]),
+        found([*shown, *(continuous[i].name for i in hidden)], casadi.vertcat(all_of(start), start[hidden]),
+              casadi.vertcat(u, p, t), [*inputs, *parameters, time]))

@@ -48,10 +48,10 @@ def head(model: ModuleType, version: str, tool: str, fmi: str, **token: str) -> 
                    license=LICENSE, generationTool=tool, variableNamingConvention="flat")
 
 
-def add_units(root: Element, table: list[Variable], *further: str) -> None:
-    """<UnitDefinitions>: the units of the table and `further` ones in SI base units, and what they are shown in."""
+def add_units(root: Element, table: list[Variable]) -> None:
+    """<UnitDefinitions>: the units of the table in SI base units, and what they are shown in."""
     definitions = SubElement(root, "UnitDefinitions")
-    for unit in sorted({*further, *(v.unit for v in table)} - {""}):
+    for unit in sorted({v.unit for v in table} - {""}):
         element = SubElement(definitions, "Unit", name=unit)
         factor, exponents = si_base(unit)
         base = {name: str(exponent) for name, exponent in exponents.items()}
@@ -64,11 +64,11 @@ def add_units(root: Element, table: list[Variable], *further: str) -> None:
 
 def variable_attributes(v: Variable) -> dict[str, str]:
     """What both versions say of a variable: name, reference, description, causality, variability and initial."""
-    port = v.causality in ("input", "output")
-    variability = "fixed" if not port else "discrete" if v.discrete else "continuous"
+    set_once = v.causality in ("parameter", "calculatedParameter")
+    variability = "fixed" if set_once else "discrete" if v.discrete else "continuous"
     attributes = {"name": v.name, "valueReference": str(v.value_reference), "description": v.description,
                   "causality": v.causality, "variability": variability}
-    initial = {"output": "calculated", "calculatedParameter": "calculated", "parameter": "exact"}.get(v.causality)
+    initial = {"input": None, "independent": None, "parameter": "exact"}.get(v.causality, "calculated")
     return {**attributes, "initial": initial} if initial else attributes
 
 

@@ -2,18 +2,20 @@
 from types import ModuleType
 from xml.etree.ElementTree import Element, SubElement
 
-from .dependencies import TIME, dependencies
+from .dependencies import Dependencies, dependencies
 from .description import (
     EXPERIMENT,
     Flavour,
     add_log_categories,
     add_units,
     head,
+    number,
     value_attributes,
     variable_attributes,
     xml_bytes,
 )
-from .interface import computed, names, variables
+from .interface import Variable
+from .references import all_variables
 from .trace import Trace
 
 VERSION = "3.0"
@@ -23,6 +25,9 @@ TYPES = {"Real": "Float64", "Boolean": "Boolean"}
 CAPABILITIES = {"canGetAndSetFMUstate": "canGetAndSetFMUState", "canSerializeFMUstate": "canSerializeFMUState",
                 "providesDirectionalDerivative": "providesDirectionalDerivatives"}
 
+CO_SIMULATION = {"canHandleVariableCommunicationStepSize": "true", "hasEventMode": "false",
+                 "providesIntermediateUpdate": "false", "canReturnEarlyAfterIntermediateUpdate": "false"}
+
 
 def model_description(model: ModuleType, trace: Trace, flavour: Flavour, token: str, version: str,
                       tool: str) -> bytes:
@@ -30,34 +35,48 @@ def model_description(model: ModuleType, trace: Trace, flavour: Flavour, token: 
 
     `token` is the instantiation token; `tool` names what made the FMU, with versions.
     """
-    table = variables(model.VARIABLES)
+    everything = all_variables(model)
     root = head(model, version, tool, VERSION, instantiationToken=token)
     able = {CAPABILITIES.get(name, name): value for name, value in flavour.capabilities.items()}
-    SubElement(root, "CoSimulation", modelIdentifier=model.NAME, attrib=able,
-               canHandleVariableCommunicationStepSize="true", hasEventMode="false", providesIntermediateUpdate="false",
-               canReturnEarlyAfterIntermediateUpdate="false")
-    add_units(root, table, "s")
+    if trace.derivative:
+        SubElement(root, "ModelExchange", modelIdentifier=model.NAME, attrib=able)
+    SubElement(root, "CoSimulation", {"modelIdentifier": model.NAME, **able, **CO_SIMULATION, **sample_time(model)})
+    add_units(root, everything)
     add_log_categories(root)
     SubElement(root, "DefaultExperiment", EXPERIMENT)
+    place = {v.name: str(v.value_reference) for v in everything}
     parent = SubElement(root, "ModelVariables")
-    for v in table:
-        SubElement(parent, TYPES[v.type], {**variable_attributes(v), **value_attributes(v)})
-    reference = {v.name: v.value_reference for v in table}
-    reference[TIME] = len(reference)
-    SubElement(parent, "Float64", name=TIME, valueReference=str(reference[TIME]), causality="independent",
-               variability="continuous", unit="s", description="time since the experiment's zero")
-    known = dependencies(model, trace)
+    for v in everything:
+        rate = {"derivative": place[v.derivative_of]} if v.derivative_of else {}
+        SubElement(parent, TYPES[v.type], {**variable_attributes(v), **value_attributes(v), **rate})
+    add_structure(root, everything, dependencies(model, trace))
+    return xml_bytes(root)
+
+
+def sample_time(model: ModuleType) -> dict[str, str]:
+    """The internal step of a law that runs at instants of its own."""
+    times = [row[3] for row in model.VARIABLES if row[0] == "sample_time"]
+    return {"fixedInternalStepSize": number(times[0])} if times else {}
+
+
+def add_structure(root: Element, everything: list[Variable], known: Dependencies) -> None:
+    """<ModelStructure>, with the dependencies of what is computed."""
+    place = {v.name: v.value_reference for v in everything}
     structure = SubElement(root, "ModelStructure")
 
     def add(tag: str, name: str, needs: list[str]) -> None:
-        SubElement(structure, tag, valueReference=str(reference[name]),
-                   dependencies=" ".join(map(str, sorted(reference[n] for n in needs))))
+        SubElement(structure, tag, valueReference=str(place[name]),
+                   dependencies=" ".join(str(place[need]) for need in needs))
 
-    for name in names(table, "output"):
-        add("Output", name, known.after_step[name])
-    for name in computed(table):
-        add("InitialUnknown", name, known.at_start[name])
-    return xml_bytes(root)
+    for v in everything:
+        if v.causality == "output":
+            add("Output", v.name, known.after_step[v.name])
+    for v in everything:
+        if v.derivative_of:
+            add("ContinuousStateDerivative", v.name, known.after_step[v.name])
+    for v in everything:
+        if v.name in known.at_start:
+            add("InitialUnknown", v.name, known.at_start[v.name])
 
 
 def build_description(model: ModuleType, flavour: Flavour) -> bytes:
