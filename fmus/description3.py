@@ -22,8 +22,8 @@ VERSION = "3.0"
 TYPES = {"Real": "Float64", "Boolean": "Boolean"}
 
 # What FMI 3.0 calls otherwise than FMI 2.0.
-CAPABILITIES = {"canGetAndSetFMUstate": "canGetAndSetFMUState", "canSerializeFMUstate": "canSerializeFMUState",
-                "providesDirectionalDerivative": "providesDirectionalDerivatives"}
+CAPABILITIES = {"canGetAndSetFMUstate": ("canGetAndSetFMUState",), "canSerializeFMUstate": ("canSerializeFMUState",),
+                "providesDirectionalDerivative": ("providesDirectionalDerivatives", "providesAdjointDerivatives")}
 
 CO_SIMULATION = {"canHandleVariableCommunicationStepSize": "true", "hasEventMode": "false",
                  "providesIntermediateUpdate": "false", "canReturnEarlyAfterIntermediateUpdate": "false"}
@@ -37,7 +37,7 @@ def model_description(model: ModuleType, trace: Trace, flavour: Flavour, token: 
     """
     everything = all_variables(model)
     root = head(model, version, tool, VERSION, instantiationToken=token)
-    able = {CAPABILITIES.get(name, name): value for name, value in flavour.capabilities.items()}
+    able = {name: value for old, value in flavour.capabilities.items() for name in CAPABILITIES.get(old, (old,))}
     if trace.derivative:
         SubElement(root, "ModelExchange", modelIdentifier=model.NAME, attrib=able)
     SubElement(root, "CoSimulation", {"modelIdentifier": model.NAME, **able, **CO_SIMULATION, **sample_time(model)})
