@@ -7,6 +7,7 @@ A model is a module with
                            rate of an angle, and shown as it is; "1 discrete" makes a Real that changes at the end of
                            steps only, such as a flag, 0 or 1; the unit "" makes a Boolean, every other a Real
     PRESETS                name -> {parameter: value}
+    TERMINALS              optional: name -> names of the inputs and outputs that belong together on a connection
     start(m, u, p) -> x                    initial state, a list of floats, from inputs and parameters
     outputs(m, t, x, u, p) -> {name: value}   every output and calculated parameter of the table
 and one of the two, or both:
