@@ -2,15 +2,13 @@
 from pathlib import Path
 from types import ModuleType
 
-import fmpy
-
 from .description import Flavour
 from .native_code import generated_sources
 from .native_compiler import LINUX, compiler_version, library, universal
 from .trace import Trace
 
 WRAPPER = Path(__file__).parent / "wrapper"
-HEADERS = Path(fmpy.__file__).parent / "c-code"
+HEADERS = Path(__file__).parent / "headers"
 
 FLAVOUR = Flavour({"canGetAndSetFMUstate": "true", "canSerializeFMUstate": "true",
                    "providesDirectionalDerivative": "true"}, ["all.c"], ("2", "3"))
@@ -36,7 +34,7 @@ def files(model: ModuleType, trace: Trace) -> dict[str, bytes]:
     """What the FMU is made of: its C, all but guid.h. Raises RuntimeError where CasADi generates other C than known."""
     code = generated_sources(model, trace)
     code.update((path.name, path.read_bytes()) for path in WRAPPER.iterdir() if path.is_file())
-    code.update((path.name, path.read_bytes()) for path in HEADERS.glob("fmi2*.h"))
+    code.update((path.name, path.read_bytes()) for path in HEADERS.glob("*.h"))
     return {f"sources/{name}": content for name, content in code.items()}
 
 
