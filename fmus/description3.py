@@ -8,6 +8,7 @@ from .description import (
     Flavour,
     add_log_categories,
     add_units,
+    boolean,
     head,
     number,
     value_attributes,
@@ -38,9 +39,11 @@ def model_description(model: ModuleType, trace: Trace, flavour: Flavour, token: 
     everything = all_variables(model)
     root = head(model, version, tool, VERSION, instantiationToken=token)
     able = {name: value for old, value in flavour.capabilities.items() for name in CAPABILITIES.get(old, (old,))}
-    if trace.derivative:
-        SubElement(root, "ModelExchange", modelIdentifier=model.NAME, attrib=able)
-    SubElement(root, "CoSimulation", {"modelIdentifier": model.NAME, **able, **CO_SIMULATION, **sample_time(model)})
+    identity = {"modelIdentifier": model.NAME, **able}
+    if trace.derivative and flavour.exchanges:
+        SubElement(root, "ModelExchange", identity,
+                   needsCompletedIntegratorStep=boolean(any(v.discrete for v in everything)))
+    SubElement(root, "CoSimulation", {**identity, **CO_SIMULATION, **sample_time(model)})
     add_units(root, everything)
     add_log_categories(root)
     SubElement(root, "DefaultExperiment", EXPERIMENT)
