@@ -1,6 +1,7 @@
 """The backstepping rival as a component: its table of variables and its presets."""
 from .backstepping import advance, derivative, outputs, prepare, start  # noqa: F401  (the component's functions)
 from .ports import PARAMETERS, PORTS, SMALL
+from .ports import TERMINALS as TERMINALS
 
 NAME = "AhvBackstepping"
 DESCRIPTION = "Backstepping controller with tracking differentiators and disturbance observers, a reconstruction"

@@ -1,6 +1,7 @@
 """The neural controller as a component: its table of variables and its presets."""
 from .neural import advance, derivative, outputs, prepare, start  # noqa: F401  (the component's functions)
 from .ports import DEG, PARAMETERS, PORTS, SMALL
+from .ports import TERMINALS as TERMINALS
 
 NAME = "AhvController"
 DESCRIPTION = "Adaptive neural controller of a flexible air-breathing hypersonic vehicle, equations (17)-(67)"

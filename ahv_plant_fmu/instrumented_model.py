@@ -45,6 +45,8 @@ VARIABLES = [
     ("noise_seed", "parameter", "1", 1.0, 1.0, LARGEST_SEED, None, "which noise, a whole number"),
 ]
 
+TERMINALS = plant.TERMINALS
+
 OFF = {name: start for name, causality, _, start, *_ in VARIABLES[len(plant.VARIABLES):] if causality == "parameter"}
 AS_BUILT = {  # a plausible set, no datum: the literature's 20 rad/s, the rest assumed
     **OFF, "fuel_ratio_bandwidth": 20.0, "elevator_bandwidth": 20.0, "elevator_rate_limit": 100 * pi / 180,

@@ -66,6 +66,13 @@ VARIABLES = [
 
 PRESETS = STRUCTURES
 
+# What belongs together on a connection: the terminals of FMI 3.0.
+TERMINALS = {
+    "actuators": ("fuel_ratio", "elevator"),
+    "measurements": ("V", "h", "gamma", "theta", "Q"),
+    "coefficients": ("scale_thrust", "scale_lift", "scale_drag", "scale_moment", "scale_forces"),
+}
+
 STATES = ["V", "h", "gamma", "theta", "Q", "eta1", "eta1_dot", "eta2", "eta2_dot"]
 ORDER = 6
 MEMORY = ("fuel_ratio_trim", "elevator_trim", "theta_trim", "trim_residual")

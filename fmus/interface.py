@@ -8,6 +8,7 @@ A model is a module with
                            steps only, such as a flag, 0 or 1; the unit "" makes a Boolean, every other a Real
     UNITS                  optional: name -> (how many, of which unit), units beside those of `fmus.units`
     PRESETS                name -> {parameter: value}
+    TERMINALS              optional: name -> names of the inputs and outputs that belong together on a connection
     start(m, u, p) -> x                    initial state, a list of floats, from inputs and parameters
     outputs(m, t, x, u, p) -> {name: value}   every output and calculated parameter of the table
 and, where there is a state, one of the two, or both:
@@ -57,6 +58,7 @@ class Variable:
     value_reference: int
     display_unit: str | None  # the unit that people read, deg for rad; None where it is `unit`
     discrete: bool = False    # changes at the end of communication steps only
+    derivative_of: str | None = None  # the continuous state that this is the rate of (see `fmus.references`)
 
     @property
     def type(self) -> str:

@@ -79,7 +79,7 @@ def files(model: ModuleType, trace: Trace) -> dict[str, bytes]:
     return {**resources(model), "documentation/licenses/pythonfmu.txt": licence.encode()}
 
 
-def binaries(model: ModuleType, contents: dict[str, bytes], guid: str, arm: bool) -> dict[str, bytes]:
+def binaries(model: ModuleType, contents: dict[str, bytes], token: str, fmi: str) -> dict[str, bytes]:
     """pythonfmu's, the same for every model; it has none for Arm."""
     folder = PYTHONFMU / "resources" / "binaries"
     return {f"binaries/{path.parent.name}/{model.NAME}{path.suffix}": path.read_bytes()

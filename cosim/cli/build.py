@@ -16,21 +16,25 @@ def build(
         help=f"{', '.join(MODELS)}; a model's file, such as my_model.py; or a module, such as my_package.my_model. "
              "Without any, all that have names.")] = None,
     flavour: Annotated[str, typer.Option(help="python, native or all.")] = "all",
-    out: Annotated[Path | None, typer.Option(help="Folder that gets FLAVOUR/NAME.fmu, instead of fmus/dist.",
-                                             show_default=False)] = None,
-    arm: Annotated[bool, typer.Option("--arm", help="Also binaries for Arm (native flavour).")] = False,
+    fmi: Annotated[str, typer.Option(help="Version of FMI: 2, 3 or all. The Python flavour has 2 only.")] = "all",
+    out: Annotated[Path | None, typer.Option(help="Folder that gets FLAVOUR/NAME.fmu and native-fmi3/NAME.fmu, instead "
+                                             "of fmus/dist.", show_default=False)] = None,
 ) -> None:
     """Write FMU files, of the models of this project or of your own (docs/building.md)."""
-    from fmus.builder import DIST, FLAVOURS
+    from fmus.builder import FLAVOURS, versions
     from fmus.builder import build as build_one
     from fmus.check_model import ModelError
 
     chosen = [model_source(name) for name in models or MODELS]
+    choice("fmi", fmi, ("2", "3", "all"))
     kinds = FLAVOURS if flavour == "all" else [choice("flavour", flavour, [*FLAVOURS, "all"])]
+    wanted = [(kind, version) for kind in kinds for version in versions(kind) if fmi in (version, "all")]
+    if not wanted:
+        raise UsageError(f"--fmi {fmi} has no FMU of the flavour {flavour}, which is for FMI {versions(flavour)[0]}.")
     try:
-        for kind in kinds:
+        for kind, version in wanted:
             for model in chosen:
-                print(build_one(model, kind, out or DIST, arm=arm), file=sys.stderr)
+                print(build_one(model, kind, out, version), file=sys.stderr)
     except ModelError as error:
         raise UsageError(str(error)) from None
     except OSError as error:
