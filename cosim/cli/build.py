@@ -38,7 +38,8 @@ def build(
     except ModelError as error:
         raise UsageError(str(error)) from None
     except OSError as error:
-        raise UsageError(f"{error.filename or out or DIST} cannot be written: {error.strerror}.") from None
+        place = error.filename or out or "The folder of FMUs"
+        raise UsageError(f"{place} cannot be written: {error.strerror}.") from None
 
 
 def model_source(name: str) -> str:
