@@ -201,6 +201,23 @@ def value_mistake(v: Variable, value: object, what: str) -> str | None:
     return None if low <= value <= high else f"{what} {value} is outside [{low}, {high}]"
 
 
+def check_terminals(model: ModuleType) -> None:
+    """Raises ModelError for TERMINALS that are not names of inputs and outputs under a name."""
+    terminals = getattr(model, "TERMINALS", {})
+    if not isinstance(terminals, dict):
+        raise ModelError(model, "TERMINALS is not a dict of names and the names of inputs and outputs",
+                         file_place(model))
+    ports = names(variables(model.VARIABLES), "input", "output")
+    for terminal, members in terminals.items():
+        place = key_place(model, terminal)
+        if not identifier(terminal) or not isinstance(members, (list, tuple)):
+            raise ModelError(model, f"the terminal {terminal!r} is not a name with a list of inputs and outputs", place)
+        for member in members:
+            if member not in ports:
+                raise ModelError(model, f"the terminal {terminal} has {member!r}, which is no input or output"
+                                        + nearest(member, ports), place)
+
+
 def check_presets(model: ModuleType) -> None:
     """Raises ModelError for a preset whose name cannot be a file's, or which sets what it cannot."""
     parameters = {v.name: v for v in variables(model.VARIABLES) if v.causality == "parameter"}
