@@ -92,8 +92,9 @@ PLACES = {
                              "(gain.py, line 7)."),
     "a worth that is none": ("VARIABLES = [", 'UNITS = {"ell": 1.1}\nVARIABLES = [', "Gain: UNITS gives 1.1 for ell; ",
                              "(gain.py, line 7)."),
-    "a terminal of what is no port": ("PRESETS = {", 'TERMINALS = {"all": ["u", "yy"]}\nPRESETS = {', "Gain: the terminal "
-                                      "all has 'yy', which is no input or output (did you mean y?)", "(gain.py, line 14)."),
+    "a terminal of what is no port": ("PRESETS = {", 'TERMINALS = {"all": ["u", "yy"]}\nPRESETS = {',
+                                      "Gain: the terminal all has 'yy', which is no input or output (did you mean y?)",
+                                      "(gain.py, line 14)."),
     "a function that is missing": ("def start(", "def begin(", "Gain: there is no function start(m, u, p)",
                                    "(gain.py)."),
     "other arguments": ("def advance(m, t, h, x, u, p, c)", "def advance(m, t, h, x)", "Gain: advance(m, t, h, x) has ",
