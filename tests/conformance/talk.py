@@ -24,13 +24,13 @@ CO_SIMULATION, MODEL_EXCHANGE = 1, 0  # fmi2Type
 
 
 class Library:
-    """An FMU of the plant, unpacked and loaded."""
+    """An FMU, the plant unless another is named, unpacked and loaded."""
 
-    def __init__(self, path: Path, folder: str = "linux64"):
+    def __init__(self, path: Path, folder: str = "linux64", name: str = "AhvPlant"):
         self.folder = Path(fmpy.extract(str(path)))
         description = fmpy.read_model_description(str(path), validate=False)
         self.guid = description.guid or description.instantiationToken
-        self.dll = ctypes.CDLL(str(self.folder / "binaries" / folder / "AhvPlant.so"))
+        self.dll = ctypes.CDLL(str(self.folder / "binaries" / folder / f"{name}.so"))
         self.resources = (self.folder / "resources").as_uri()
 
     def close(self):
