@@ -4,13 +4,12 @@ The algorithms (`algorithms`) say what to do on a tick, as programs; `flight` fl
 """
 from collections.abc import Iterator
 from contextlib import contextmanager
-from importlib.util import find_spec
 from typing import Protocol
 
 import numpy as np
 
 from ..errors import RunError
-from . import last_call
+from . import last_call, loop_compiled, loop_plain
 from . import program as P
 from .connections import checked_connections, recorded_names
 from .fmu import FmuFile
@@ -20,7 +19,7 @@ from .look_up import Place
 from .system import System, Value
 from .table import Table, inputs_of
 from .wirer import Wirer
-from .wiring import LONGEST_TEXT, Signal, Wiring
+from .wiring import Signal, Wiring
 
 OF_GROUPS = (P.SET, P.PREDICT, P.SLOPE, P.GET, P.OFFER)
 CALLS = {P.SET: "Set{}", P.PREDICT: "Set{}", P.SLOPE: "SetRealInputDerivatives", P.GET: "Get{}", P.OFFER: "Set{}",
@@ -42,7 +41,7 @@ class Loop(Protocol):
 
     def run(self, ops: np.ndarray, rows: np.ndarray, times: np.ndarray, cursor: np.ndarray,
             first: int, count: int, start: float, step: float, decimate: int) -> int:
-        """Carry out `ops` on `count` ticks, see `loop_compiled.kernel`; 0, or the status of the call that failed."""
+        """Carry out `ops` on `count` ticks, see `loop_compiled.Loop.run`; 0, or the status of the call that failed."""
 
 
 class Master:
@@ -153,7 +152,7 @@ class Master:
         """Carry out `ops` on `count` ticks from the tick `first`; the status of the call that failed, or 0.
 
         Tick k begins at start + k * step (s); `rows` and `times` get every `decimate`-th tick (0: none), see
-        `loop_compiled.kernel`. Raises RunError if an FMU has answered Fatal before.
+        `loop_compiled.Loop.run`. Raises RunError if an FMU has answered Fatal before.
         """
         for instance in self.instances:
             instance.need_alive()
@@ -179,7 +178,7 @@ class Master:
         instance, call, late = self.refusing(ops)
         time = start + (int(self.cursor[P.TICK]) + late) * step
         if status == P.TOO_LONG:
-            raise RunError(f"{instance.label} shows a text longer than {LONGEST_TEXT - 1} bytes at t = {time:.6g} s.")
+            raise RunError(f"{instance.label} shows a text longer than {P.LONGEST_TEXT - 1} bytes at t = {time:.6g} s.")
         if status == P.RESTLESS:
             raise RunError(f"{instance.label} does not come to the end of its events in the step from "
                            f"t = {time:.6g} s.")
@@ -243,12 +242,9 @@ NO_ROWS, NO_TIMES = np.empty((0, 0)), np.empty(0)
 
 
 def make_loop(plain: bool, wiring: Wiring) -> Loop:
-    """The tick loop: in Python if `plain` or without numba, else compiled; the numbers are the same."""
-    if plain or find_spec("numba") is None:
-        from . import loop_plain
-        return loop_plain.Loop(wiring)
-    from . import loop_compiled  # imports numba, which is slow
-    return loop_compiled.Loop(wiring)
+    """The tick loop: in Python if `plain` or where there is no compiled one; the numbers are the same."""
+    compiled = None if plain else loop_compiled.library()
+    return loop_plain.Loop(wiring) if compiled is None else loop_compiled.Loop(wiring, compiled)
 
 
 @contextmanager
