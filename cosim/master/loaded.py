@@ -4,6 +4,7 @@ The algorithms (`algorithms`) say what to do on a tick, as programs; `flight` fl
 """
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
@@ -12,8 +13,9 @@ from ..errors import RunError
 from . import last_call, loop_compiled, loop_plain
 from . import program as P
 from .connections import checked_connections, recorded_names
+from .dependencies import step_order
 from .fmu import FmuFile
-from .initialise import initialise
+from .initialise import Batch, initialise, order
 from .instance import Instance
 from .look_up import Place
 from .system import System, Value
@@ -59,6 +61,7 @@ class Master:
         does not instantiate.
         """
         self.system, self.files, self.tolerance = system, files, tolerance
+        self.values: dict[str, dict[str, Value]] = {}
         self.values = self.checked_values(system)
         self.targets = checked_connections(system, files)
         recorded = recorded_names(system, files, record)
@@ -78,9 +81,25 @@ class Master:
         self.loop = make_loop(plain, self.wiring)
 
     def checked_values(self, system: System) -> dict[str, dict[str, Value]]:
-        """Component -> variable -> value in the variable's type. Raises UsageError for a value that does not fit."""
-        return {c.name: {n: self.files[c.name].checked(n, x, c.name) for n, x in c.values.items()}
-                for c in system.components}
+        """Component -> variable -> value in the variable's type; what has been checked for the system before is not
+        checked again. Raises UsageError for a value that does not fit."""
+        before = {c.name: c.values for c in self.system.components}
+        found = {}
+        for c in system.components:
+            known, old = self.values.get(c.name, {}), before.get(c.name, {})
+            found[c.name] = {n: known[n] if n in known and x is old.get(n) else
+                             self.files[c.name].checked(n, x, c.name) for n, x in c.values.items()}
+        return found
+
+    @cached_property
+    def exchanged(self) -> list[list[Batch]]:
+        """What is set and read before the start, see `initialise.order`."""
+        return order(self.system, self.files, self.targets)
+
+    @cached_property
+    def step_order(self) -> list[list[str]]:
+        """The components in the order of the dependencies, see `dependencies.step_order`."""
+        return step_order(self.system, self.files, self.targets)
 
     @property
     def columns(self) -> list[Signal]:
@@ -109,7 +128,7 @@ class Master:
         """
         for instance in self.instances:
             instance.set(self.values[instance.name])
-        initialise(self.system, {i.name: i for i in self.instances}, self.targets, start, stop, self.tolerance,
+        initialise(self.exchanged, {i.name: i for i in self.instances}, self.targets, start, stop, self.tolerance,
                    self.inputs.at(start) if self.inputs else {})
         self.wiring.begin(self.instances)
         self.read_all(start)
@@ -125,7 +144,7 @@ class Master:
 
         Raises UsageError for values that do not fit, RunError if an FMU refuses, or has answered Fatal before.
         """
-        self.values = self.checked_values(system)
+        self.values, self.system = self.checked_values(system), system
         self.free_states()
         for instance in self.instances:
             instance.reset()
