@@ -163,7 +163,19 @@ def unit_mistake(text: object, own: dict[str, Worth]) -> str | None:
             si_base(unit, own)
     except ValueError as error:
         return f"in the unit {text!r}, {error}; '' makes a Boolean"
-    return None if kind in KINDS else f"in the unit {text!r}, only 'frequency' or 'discrete' may follow"
+    if kind.startswith("in "):
+        return display_mistake(text, unit, kind.removeprefix("in "))
+    return None if kind in KINDS else (f"in the unit {text!r}, only 'frequency' or 'discrete' may follow, or 'in' and "
+                                       "the unit to show it in")
+
+
+def display_mistake(text: str, unit: str, shown: str) -> str | None:
+    """Why `unit` cannot be shown in `shown`, or None; `text` is what the row has."""
+    try:
+        sizes = [si_base(name)[1] for name in (unit, shown)]
+    except ValueError as error:
+        return f"in the unit {text!r}, {error}; a unit of UNITS is shown as it is"
+    return None if sizes[0] == sizes[1] else f"in the unit {text!r}, {shown} is no unit of the same quantity as {unit}"
 
 
 def range_mistake(v: Variable) -> str | None:
