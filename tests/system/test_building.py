@@ -12,6 +12,7 @@ from test_cases import ahv
 from test_foreign_masters import assert_same_flight
 
 import cosim
+import cosim.cli.app as cli
 import fmus
 
 EXAMPLES = ROOT / "docs" / "examples"
@@ -132,6 +133,26 @@ def test_the_spring_is_integrated_by_an_importers_solver(version, folder, fmi3):
     found = fmpy.simulate_fmu(str(path), stop_time=3, start_values={"position_start": 0.1, "damping": 0.0},
                               output=["position"], fmi_type="ModelExchange", relative_tolerance=1e-10)
     assert np.allclose(found["position"], 0.1 * np.cos(5 * found["time"]), atol=1e-7)
+
+
+@pytest.mark.parametrize("module", [False, True])
+def test_the_command_builds_a_file_and_a_module(module, folder, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(folder.parent if module else folder)
+    name = f"{folder.name}.valve_model" if module else "valve_model.py"
+    with pytest.raises(SystemExit, match="^0$"):
+        cli.done(["build", name, "--flavour", "python", "--out", str(tmp_path)])
+    path = tmp_path / "python" / "Valve.fmu"
+    assert capsys.readouterr().err == f"{path}\n" and path.is_file()
+
+
+@pytest.mark.parametrize("word, told", [
+    ("Valve", "There is no model Valve; there are AhvPlant, "), ("../valve", "There is no model ../valve; there are "),
+    ("nowhere.py", "nowhere: there is no file nowhere.py in "),
+    ("nowhere.model", "nowhere.model: there is no module nowhere, neither in ")])
+def test_what_is_no_model_is_told(word, told, tmp_path, capsys):
+    assert cli.done(["build", word, "--out", str(tmp_path)]) == 2
+    assert capsys.readouterr().err.startswith(f"ahv: {told}")
+    assert not list(tmp_path.iterdir())
 
 
 def test_the_same_sources_give_the_same_bytes(folder, tmp_path):
