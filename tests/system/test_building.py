@@ -139,7 +139,7 @@ def test_the_spring_is_integrated_by_an_importers_solver(version, folder, fmi3):
 def test_the_command_builds_a_file_and_a_module(module, folder, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(folder.parent if module else folder)
     name = f"{folder.name}.valve_model" if module else "valve_model.py"
-    with pytest.raises(SystemExit, match="^0$"):
+    with pytest.raises(SystemExit, match=r"^0$"):
         cli.done(["build", name, "--flavour", "python", "--out", str(tmp_path)])
     path = tmp_path / "python" / "Valve.fmu"
     assert capsys.readouterr().err == f"{path}\n" and path.is_file()
