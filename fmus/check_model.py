@@ -27,8 +27,9 @@ from .check_table import (
 )
 from .integrators import METHODS, USUAL_ORDER, advancing
 from .interface import GIVEN, computed, sample_time, variables
+from .lines import file_place, function_place
 from .mistakes import ModelError as ModelError
-from .mistakes import file_place, function_place, nearest
+from .mistakes import nearest
 from .trace import Trace, trace_model
 
 ARGUMENTS = {"start": "m, u, p", "derivative": "m, t, x, u, p", "advance": "m, t, h, x, u, p, c",

@@ -7,7 +7,8 @@ from types import ModuleType
 from typing import Any, TypeGuard
 
 from .interface import CAUSALITIES, COLUMNS, GIVEN, Variable, names, sample_time, states, variables
-from .mistakes import ModelError, file_place, function_place, key_place, nearest, row_place
+from .lines import file_place, function_place, key_place, row_place
+from .mistakes import ModelError, nearest
 from .units import BASE_UNITS, WORTH, Worth, si_base
 
 STEPS = ("internal_step", "sample_time")

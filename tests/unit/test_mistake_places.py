@@ -129,6 +129,17 @@ def test_a_mistake_is_told_with_its_line(mistake, written):
     assert sentence.startswith(begins) and sentence.endswith(ends), sentence
 
 
+def test_a_row_in_another_folder_has_its_line_and_a_broken_file_nearby_is_no_hindrance(tmp_path):
+    room = tmp_path / "gain_home" / "room"
+    room.mkdir(parents=True)
+    for folder in (room, room.parent):
+        (folder / "__init__.py").write_text("")
+    (room / "broken.py").write_text("def (")
+    (room.parent / "gain_table.py").write_text(TABLE.replace("2.0, 0.0", "6.0, 0.0"))
+    (room / "gain.py").write_text(MODEL.replace("from gain_table", "from ..gain_table"))
+    assert told(room / "gain.py").endswith("start 6.0 is outside [0.0, 5.0] (gain_table.py, line 3).")
+
+
 def test_the_native_flavour_may_import_what_does_not_travel(written):
     assert fmus.build(written("import math", "import numpy"), "native", written().parent / "dist").is_file()
 
