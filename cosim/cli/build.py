@@ -8,6 +8,7 @@ import typer
 from ..errors import UsageError
 from ..vehicle.closed_loop import choice
 from ..vehicle.registry import MODELS
+from .options import place
 
 
 def build(
@@ -17,8 +18,9 @@ def build(
              "Without any, all that have names.")] = None,
     flavour: Annotated[str, typer.Option(help="python, native or all.")] = "all",
     fmi: Annotated[str, typer.Option(help="Version of FMI: 2, 3 or all. The Python flavour has 2 only.")] = "all",
-    out: Annotated[Path | None, typer.Option(help="Folder that gets FLAVOUR/NAME.fmu and native-fmi3/NAME.fmu, instead "
-                                             "of fmus/dist.", show_default=False)] = None,
+    out: Annotated[Path | None, typer.Option(
+        metavar="DIR", parser=place, show_default=False,
+        help="Folder that gets FLAVOUR/NAME.fmu and native-fmi3/NAME.fmu, instead of fmus/dist.")] = None,
 ) -> None:
     """Write FMU files, of the models of this project or of your own (docs/building.md)."""
     from fmus.builder import FLAVOURS, versions
@@ -38,8 +40,8 @@ def build(
     except ModelError as error:
         raise UsageError(str(error)) from None
     except OSError as error:
-        place = error.filename or out or "The folder of FMUs"
-        raise UsageError(f"{place} cannot be written: {error.strerror}.") from None
+        folder = error.filename or out or "The folder of FMUs"
+        raise UsageError(f"{folder} cannot be written: {error.strerror}.") from None
 
 
 def model_source(name: str) -> str:
