@@ -108,7 +108,7 @@ def solve(members, seconds, rtol, wire=lambda: None):
             member.fmu.setTime(time)
 
     solver = CVodeSolver(n, 0, get_x, set_x, get_rate, lambda *_: None, get_nominals, set_time, NO_INPUT, 0.0,
-                         relativeTolerance=rtol, maxNumSteps=100_000)
+                         relativeTolerance=rtol, maxNumSteps=10_000)
     solver.step(0.0, seconds)
     if refused:
         raise refused[0]
