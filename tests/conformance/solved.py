@@ -109,7 +109,9 @@ def solve(members, seconds, rtol, wire=lambda: None):
 
     solver = CVodeSolver(n, 0, get_x, set_x, get_rate, lambda *_: None, get_nominals, set_time, NO_INPUT, 0.0,
                          relativeTolerance=rtol, maxNumSteps=10_000)
-    solver.step(0.0, seconds)
-    if refused:
-        raise refused[0]
+    try:
+        solver.step(0.0, seconds)
+    finally:
+        if refused:
+            raise refused[0]
     return np.concatenate([member.x for member in members])
