@@ -89,14 +89,31 @@ def test_memory_does_not_grow_over_the_cycles(members, loop):
     assert peak(10_000) - peak(100) < 500  # KB: less than pages laid out otherwise and far less than anything left
 
 
+@pytest.mark.parametrize("door", ["fuzz", "fuzz3"])
 @pytest.mark.parametrize(("model", "calls"), [("AhvController", 20_000), ("AhvPlant", 20_000), *(
     pytest.param(name, 1_000_000, marks=pytest.mark.slow) for name in LOOP)])
-def test_fuzzed_calls_are_refused_and_change_nothing(members, folder, model, calls):
-    sources = members[LOOP.index(model)].folder / "sources"
-    program = folder / f"fuzz_{model}"
-    sanitizer()(*WARNINGS, f"-I{sources}", "-o", program, HOSTS / "fuzz.c", sources / "all.c", "-lm")
-    said = run(program, 20261122, calls)
+def test_fuzzed_calls_are_refused_and_change_nothing(members, folder, model, calls, door):
+    """Through the doors of FMI 2.0 and 3.0, in co-simulation and in model exchange."""
+    member = members[LOOP.index(model)]
+    sources, program = member.folder / "sources", folder / f"{door}_{model}"
+    if not program.exists():
+        sanitizer()(*WARNINGS, f"-I{sources}", "-o", program, HOSTS / f"{door}.c", sources / "all.c", "-lm")
+    said = run(program, 20261122, calls, member.description.numberOfContinuousStates)
     assert said.startswith(f"{calls} calls")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize("model", LOOP)
+def test_the_memory_of_10000_instances_is_their_blocks(members, folder, model, version):
+    """One block each: what the importer's state buffer holds, twice the states and outputs, and the allocator's rest."""
+    member = members[LOOP.index(model)]
+    sources, program = member.folder / "sources", folder / f"many_{model}"
+    if not program.exists():
+        cc(*STRICT, f"-I{sources}", "-o", program, HOSTS / "many.c", sources / "all.c", "-lm")
+    before, after = map(int, run(program, version, 10_000).split())
+    print(f"{model}, FMI {version}: {(after - before) / 10_000:.2f} KB each, {after / 1024:.1f} MB in all")
+    assert after - before < 10_000 * 2.5
 
 
 def test_one_step_of_controller_and_plant_takes_microseconds(members, loop):
