@@ -37,13 +37,15 @@ def build(
                 print(build_one(model, kind, out, version), file=sys.stderr)
     except ModelError as error:
         raise UsageError(str(error)) from None
+    except OSError as error:
+        raise UsageError(f"{error.filename or out or DIST} cannot be written: {error.strerror}.") from None
 
 
 def model_source(name: str) -> str:
     """The module or file of the model `name`. Raises UsageError for a word that can be neither."""
     if name in MODELS:
         return MODELS[name]
-    if name.endswith(".py") or "." in name.strip("."):
+    if name.endswith(".py") or ("." in name and all(map(str.isidentifier, name.split(".")))):
         return name
     raise UsageError(f"There is no model {name}; there are {', '.join(MODELS)}; a model of your own is a file, such as "
                      "my_model.py, or a module, such as my_package.my_model.")
