@@ -24,6 +24,7 @@ def build(
     from fmus.builder import FLAVOURS, versions
     from fmus.builder import build as build_one
     from fmus.check_model import ModelError
+    from fmus.places import written
 
     chosen = [model_source(name) for name in models or MODELS]
     choice("fmi", fmi, ("2", "3", "all"))
@@ -38,7 +39,7 @@ def build(
     except ModelError as error:
         raise UsageError(str(error)) from None
     except OSError as error:
-        raise UsageError(f"{error.filename or out or DIST} cannot be written: {error.strerror}.") from None
+        raise UsageError(f"{error.filename or out or written()} cannot be written: {error.strerror}.") from None
 
 
 def model_source(name: str) -> str:
