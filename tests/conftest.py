@@ -48,5 +48,5 @@ def native_fmus() -> dict[str, Path]:
 
 @pytest.fixture(scope="session")
 def native_fmi3_fmus() -> dict[str, Path]:
-    """The native flavour's files for FMI 3.0, by model name."""
+    """The native flavour's files of FMI 3.0, by model name."""
     return {name: build(module, "native", fmi="3") for name, module in MODELS.items()}
