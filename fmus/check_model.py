@@ -3,68 +3,47 @@
 A model is checked before anything is made of it: its parts, its table, its presets, then its functions, which run
 once on floats with the table's start values and once on symbols.
 """
-import re
 from collections.abc import Callable
-from difflib import get_close_matches
 from inspect import signature
-from keyword import iskeyword
 from math import isfinite, isnan
 from numbers import Real
 from pathlib import Path
 from traceback import extract_tb
 from types import ModuleType, SimpleNamespace
-from typing import Any, TypeGuard
+from typing import Any
 
 import casadi
 
 from . import floats, symbols
-from .interface import CAUSALITIES, COLUMNS, GIVEN, Variable, computed, variables
+from .check_table import NAME_RULE, check_presets, check_states, check_table, file_name, identifier, line_of_text
+from .integrators import METHODS, USUAL_ORDER, advancing
+from .interface import GIVEN, computed, sample_time, variables
+from .mistakes import ModelError as ModelError
+from .mistakes import file_place, function_place, nearest
 from .trace import Trace, trace_model
-from .units import si_base
 
-ARGUMENTS = {"start": "m, u, p", "advance": "m, t, h, x, u, p, c", "outputs": "m, t, x, u, p", "prepare": "m, p, h"}
+ARGUMENTS = {"start": "m, u, p", "derivative": "m, t, x, u, p", "advance": "m, t, h, x, u, p, c",
+             "outputs": "m, t, x, u, p", "prepare": "m, p, h"}
+OPTIONAL = ("derivative", "advance", "prepare")
 STEP = 0.01  # s, for the trial step
-KINDS = ("", "frequency", "discrete")  # what may follow a unit, see `fmus.interface`
 BACKEND = sorted(name for name in vars(floats) if not name.startswith("_"))
-NAME_RULE = "a name has ASCII letters, digits and _, begins with no digit and is no Python keyword"
 NOT_THE_MODELS = (Path(__file__).parent, Path(casadi.__file__).parent)
-
-
-class ModelError(ValueError):
-    """A mistake in a model: one sentence, which begins with the model's name."""
-
-    def __init__(self, model: ModuleType, sentence: str):
-        """`sentence` goes on after the model's name, and has no full stop."""
-        super().__init__(f"{getattr(model, 'NAME', model.__name__)}: {sentence}.")
 
 
 def checked_trace(model: ModuleType) -> Trace:
     """The trace of `model`, in which no mistake was found. Raises ModelError at the first mistake."""
     check_parts(model)
     check_table(model)
+    check_states(model)
     check_presets(model)
     check_functions(model)
     trace: Trace = attempt(model, SimpleNamespace(), SimpleNamespace(), trace_model, model)
     check_constants(model, trace)
+    check_shown_states(model, trace)
     return trace
 
 
 # --- what stands in the module ----------------------------------------------------------------------------
-
-def identifier(text: object) -> bool:
-    """Whether C, XML and Python can have `text` as a name."""
-    return isinstance(text, str) and bool(re.fullmatch(r"[A-Za-z_]\w*", text, re.ASCII)) and not iskeyword(text)
-
-
-def line_of_text(text: object) -> bool:
-    """Whether `text` can be an XML attribute: a string without line feeds and what else XML 1.0 does not have."""
-    return isinstance(text, str) and not re.search("[\x00-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff]", text)
-
-
-def finite_number(value: object) -> TypeGuard[float]:
-    """Whether `value` is a finite number, and no truth value."""
-    return isinstance(value, Real) and not isinstance(value, bool) and isfinite(value)
-
 
 def check_parts(model: ModuleType) -> None:
     """Raises ModelError for a part that is missing, or a function with other arguments than the builder gives."""
@@ -72,122 +51,32 @@ def check_parts(model: ModuleType) -> None:
                              ("VARIABLES", list, "a list of rows"), ("PRESETS", dict, "a dict of dicts")):
         if not isinstance(getattr(model, part, None), kind):
             raise ModelError(model, f"{part} is missing or is not {what}; a model has NAME, DESCRIPTION, VARIABLES, "
-                                    "PRESETS, start, advance and outputs")
+                                    "PRESETS, start, outputs, and derivative or advance", file_place(model))
     if not identifier(model.NAME):
         raise ModelError(model, f"NAME {model.NAME!r} is not allowed; {NAME_RULE}")
+    if not file_name(model.NAME):
+        raise ModelError(model, f"NAME {model.NAME!r} is not allowed; Windows has no files of that name")
     if not line_of_text(model.DESCRIPTION):
         raise ModelError(model, "DESCRIPTION must be one line, without control characters")
     for function, arguments in ARGUMENTS.items():
         written = getattr(model, function, None)
-        if written is None and function == "prepare":
+        if written is None and function in OPTIONAL:
             continue
         if not callable(written):
-            raise ModelError(model, f"there is no function {function}({arguments})")
+            raise ModelError(model, f"there is no function {function}({arguments})", file_place(model))
         try:
             signature(written).bind(*arguments.split(", "))
         except TypeError:
             raise ModelError(model, f"{function}{signature(written)} has other arguments than "
-                                    f"{function}({arguments}), as which it is called") from None
-
-
-def check_table(model: ModuleType) -> None:
-    """Raises ModelError for a row of VARIABLES that has another length, contradicts itself, or cannot be written."""
-    found: set[str] = set()
-    for i, row in enumerate(model.VARIABLES):
-        if not isinstance(row, (tuple, list)) or len(row) != len(COLUMNS):
-            length = f" has {len(row)} entries" if isinstance(row, (tuple, list)) else " is not a tuple"
-            raise ModelError(model, f"row {i + 1} of VARIABLES, {row!r},{length}; a row is ({', '.join(COLUMNS)})")
-        name, causality, unit, *_, description = row
-        if not identifier(name):
-            raise ModelError(model, f"the variable name {name!r} is not allowed; {NAME_RULE}")
-        if name in found:
-            raise ModelError(model, f"{name} stands twice in the table; names must differ")
-        if causality not in CAUSALITIES:
-            raise ModelError(model, f"{name}: causality {causality!r} is none of {', '.join(CAUSALITIES)}")
-        reason = unit_mistake(unit)
-        if reason:
-            raise ModelError(model, f"{name}: {reason}")
-        if not line_of_text(description):
-            raise ModelError(model, f"{name}: the description must be one line of text, without control characters")
-        found.add(name)
-    for v in variables(model.VARIABLES):
-        reason = range_mistake(v) or start_mistake(v)
-        if reason:
-            raise ModelError(model, f"{v.name}: {reason}")
-        if v.name == "internal_step" and not (v.causality == "parameter" and v.unit == "s" and (v.minimum or 0) > 0):
-            raise ModelError(model, "internal_step must be a parameter in s with a minimum above 0")
-
-
-def unit_mistake(text: object) -> str | None:
-    """Why `text` cannot be the unit in a row, or None."""
-    if not isinstance(text, str):
-        return f"the unit {text!r} is not text, such as 'ft/s'; '' makes a Boolean"
-    unit, _, kind = text.partition(" ")
-    try:
-        if unit:
-            si_base(unit)
-    except ValueError as error:
-        return f"in the unit {text!r}, {error}; '' makes a Boolean"
-    return None if kind in KINDS else f"in the unit {text!r}, only 'frequency' or 'discrete' may follow"
-
-
-def range_mistake(v: Variable) -> str | None:
-    """Why `v` cannot have its limits and nominal value, or None."""
-    limits = {"min": v.minimum, "max": v.maximum, "nominal": v.nominal}
-    given = {column: value for column, value in limits.items() if value is not None}
-    for column, value in given.items():
-        if v.type == "Boolean":
-            return f"a Boolean (unit '') has no {column}, but {value!r} is given; None is right"
-        if not finite_number(value):
-            return f"{column} {value!r} is not a finite number; None means that there is none"
-    if v.minimum is not None and v.maximum is not None and v.minimum > v.maximum:
-        return f"min {v.minimum} is above max {v.maximum}"
-    if v.nominal is not None and v.nominal <= 0:
-        return f"nominal {v.nominal} is not above 0"
-    return None
-
-
-def start_mistake(v: Variable) -> str | None:
-    """Why `v` cannot have its start value, or None."""
-    if (v.start is not None) != (v.causality in GIVEN):
-        return ("inputs and parameters have a start value, outputs have none; "
-                f"this {v.causality} has {v.start!r}")
-    return None if v.start is None else value_mistake(v, v.start, "start")
-
-
-def value_mistake(v: Variable, value: object, what: str) -> str | None:
-    """Why `v` cannot have `value`, which is its `what`, or None."""
-    if v.type == "Boolean":
-        return None if isinstance(value, bool) else f"{what} {value!r} is not True or False, as a Boolean (unit '') has"
-    if not finite_number(value):
-        return f"{what} {value!r} is not a finite number"
-    low = float("-inf") if v.minimum is None else v.minimum
-    high = float("inf") if v.maximum is None else v.maximum
-    return None if low <= value <= high else f"{what} {value} is outside [{low}, {high}]"
-
-
-def check_presets(model: ModuleType) -> None:
-    """Raises ModelError for a preset whose name cannot be a file's, or which sets what it cannot."""
-    parameters = {v.name: v for v in variables(model.VARIABLES) if v.causality == "parameter"}
-    for preset, values in model.PRESETS.items():
-        if not (isinstance(preset, str) and re.fullmatch(r"\w[\w.-]*", preset, re.ASCII)):
-            raise ModelError(model, f"the preset name {preset!r} is not allowed; it becomes a file's name, of "
-                                    "ASCII letters, digits, '_', '-' and '.' after the first")
-        if not isinstance(values, dict):
-            raise ModelError(model, f"the preset {preset} is not a dict of parameters and values")
-        for name, value in values.items():
-            if name not in parameters:
-                raise ModelError(model, f"the preset {preset} sets {name}, which is no parameter"
-                                        + nearest(name, parameters))
-            reason = value_mistake(parameters[name], value, "the value")
-            if reason:
-                raise ModelError(model, f"the preset {preset} sets {name}, but {reason}")
-
-
-def nearest(name: object, known: Any) -> str:
-    """What may have been meant by `name`, in brackets."""
-    near = get_close_matches(str(name), known, 3)
-    return f" (did you mean {' or '.join(near)}?)" if near else f" (there are {', '.join(known) or 'none'})"
+                                    f"{function}({arguments}), as which it is called",
+                             function_place(written)) from None
+    if not (hasattr(model, "derivative") or hasattr(model, "advance")):
+        raise ModelError(model, f"there is neither a function derivative({ARGUMENTS['derivative']}) nor "
+                                f"advance({ARGUMENTS['advance']}); a model has one of them, or both",
+                         file_place(model))
+    if getattr(model, "ORDER", USUAL_ORDER) not in METHODS:
+        raise ModelError(model, f"ORDER {model.ORDER!r} is not allowed; the methods have the orders "
+                                f"{', '.join(map(str, METHODS))}")
 
 
 # --- what the functions do --------------------------------------------------------------------------------
@@ -197,41 +86,52 @@ def check_functions(model: ModuleType) -> None:
     it should not."""
     table = variables(model.VARIABLES)
     u, p = (SimpleNamespace(**{v.name: v.start for v in table if v.causality == kind}) for kind in GIVEN)
-    h = min(STEP, float(getattr(p, "internal_step", STEP)))
+    h = sample_time(table) or min(STEP, float(getattr(p, "internal_step", STEP)))
 
     def call(name: str, *arguments: Any) -> Any:
         return attempt(model, u, p, getattr(model, name), floats, *arguments)
 
     x = call("start", u, p)
-    check_numbers(model, "start()", x, "state")
+    check_numbers(model, "start", x, "state")
     c = call("prepare", p, h) if hasattr(model, "prepare") else []
-    check_numbers(model, "prepare()", c, "number")
-    later = call("advance", 0.0, h, x, u, p, c)
-    check_numbers(model, "advance()", later, "state")
+    check_numbers(model, "prepare", c, "number")
+    if hasattr(model, "derivative"):
+        rates = call("derivative", 0.0, x, u, p)
+        check_numbers(model, "derivative", rates, "rate")
+        if not len(rates) == len(model.STATES) <= len(x):
+            raise ModelError(model, f"derivative() returns {len(rates)} rates, STATES has {len(model.STATES)} entries, "
+                                    f"start() returns {len(x)} states; a rate and an entry belong to each of the first "
+                                    "states, and the rest are memories", function_place(model.derivative))
+    later = attempt(model, u, p, advancing(model), floats, 0.0, h, x, u, p, c)
+    check_numbers(model, "advance", later, "state")
     if len(later) != len(x):
-        raise ModelError(model, f"advance() returns {len(later)} states, but start() {len(x)}; their number is fixed")
+        raise ModelError(model, f"advance() returns {len(later)} states, but start() {len(x)}; their number is fixed",
+                         function_place(getattr(model, "advance", None)))
     y = call("outputs", 0.0, x, u, p)
     if not isinstance(y, dict):
-        raise ModelError(model, f"outputs() returns a {type(y).__name__}, not a dict of names and values")
+        raise ModelError(model, f"outputs() returns a {type(y).__name__}, not a dict of names and values",
+                         function_place(model.outputs))
     missing = [name for name in computed(table) if name not in y]
     extra = [str(name) for name in y if name not in computed(table)]
     if missing:
         raise ModelError(model, f"outputs() does not return {', '.join(missing)}; it must return every output and "
-                                "calculatedParameter of VARIABLES")
+                                "calculatedParameter of VARIABLES", function_place(model.outputs))
     if extra:
         raise ModelError(model, f"outputs() returns {', '.join(extra)}, which VARIABLES does not declare as "
-                                "output or calculatedParameter")
-    check_numbers(model, "outputs()", [y[name] for name in computed(table)], "output", computed(table))
+                                "output or calculatedParameter", function_place(model.outputs))
+    check_numbers(model, "outputs", [y[name] for name in computed(table)], "output", computed(table))
 
 
 def check_numbers(model: ModuleType, function: str, values: Any, what: str, labels: list[str] | None = None) -> None:
     """Raises ModelError where what `function` returned is no list of finite numbers."""
     if not isinstance(values, (list, tuple)):
-        raise ModelError(model, f"{function} returns a {type(values).__name__}, not a list of numbers")
+        raise ModelError(model, f"{function}() returns a {type(values).__name__}, not a list of numbers",
+                         function_place(getattr(model, function, None)))
     for i, value in enumerate(values):
         if not (isinstance(value, Real) and isfinite(value)):
-            raise ModelError(model, f"{function} gives {value!r} for the {what} {labels[i] if labels else i}, from the "
-                                    "start values of VARIABLES; a finite number is needed")
+            raise ModelError(model, f"{function}() gives {value!r} for the {what} {labels[i] if labels else i}, from "
+                                    "the start values of VARIABLES; a finite number is needed",
+                             function_place(getattr(model, function, None)))
 
 
 def attempt(model: ModuleType, u: SimpleNamespace, p: SimpleNamespace, function: Callable[..., Any],
@@ -244,7 +144,9 @@ def attempt(model: ModuleType, u: SimpleNamespace, p: SimpleNamespace, function:
 
 
 def failure(error: Exception, model: ModuleType, u: SimpleNamespace, p: SimpleNamespace) -> str:
-    """Where and why a model's function failed."""
+    """Where and why a model's function, or its file, failed."""
+    if isinstance(error, SyntaxError) and error.filename:
+        return f"{Path(error.filename).name}, line {error.lineno}, is no Python: {error.msg}"
     frames = [f for f in extract_tb(error.__traceback__)
               if not any(Path(f.filename).is_relative_to(folder) for folder in NOT_THE_MODELS)
               or Path(f.filename) == Path(str(model.__file__))]
@@ -264,9 +166,21 @@ def failure(error: Exception, model: ModuleType, u: SimpleNamespace, p: SimpleNa
 
 def check_constants(model: ModuleType, trace: Trace) -> None:
     """Raises ModelError where a traced function has NaN in it: what `math` and float() make of a symbol."""
-    for function in (trace.start, trace.prepare, trace.advance, trace.outputs):
+    derivative = [trace.derivative] if trace.derivative else []
+    for function in (trace.start, trace.prepare, *derivative, trace.advance, trace.outputs):
         constants = [function.instruction_constant(k) for k in range(function.n_instructions())
                      if function.instruction_id(k) == casadi.OP_CONST]
         if any(map(isnan, constants)):
             raise ModelError(model, f"{function.name()}() gives NaN on symbols, which is what float() and the "
-                                    f"functions of math make of them; use m, which has {', '.join(BACKEND)}")
+                                    f"functions of math make of them; use m, which has {', '.join(BACKEND)}",
+                             function_place(getattr(model, function.name(), None)))
+
+
+def check_shown_states(model: ModuleType, trace: Trace) -> None:
+    """Raises ModelError where an output that STATES names does not show that state."""
+    t, x, u, p = (casadi.SX.sym(name, trace.outputs.size1_in(name)) for name in "txup")
+    y, place = trace.outputs(t, x, u, p), computed(variables(model.VARIABLES)).index
+    for i, entry in enumerate(getattr(model, "STATES", [])):
+        if isinstance(entry, str) and not casadi.is_equal(y[place(entry)], x[i]):
+            raise ModelError(model, f"outputs() gives something else for {entry} than state {i}, which STATES names so",
+                             function_place(model.outputs))
