@@ -36,6 +36,7 @@ build: setup
 # A release: a wheel that carries the native FMUs, the FMUs of both FMI versions, checksums, a bill of materials.
 dist: build
 	rm -rf dist/release
+	$(BIN)/python -m cosim.master.compile_loop
 	$(BIN)/python -m hatchling build -t wheel -d dist/release
 	$(BIN)/python -m fmus.release dist/release
 
@@ -99,4 +100,4 @@ docs: setup
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet --strict
 
 clean:
-	rm -rf .venv .venv-oldest .venv-peers results dist fmus/dist site
+	rm -rf .venv .venv-oldest .venv-peers results dist fmus/dist cosim/master/built site
