@@ -343,7 +343,7 @@ def outputs(m, t, x, u, p):
 def growing(tmp_path, monkeypatch):
     (tmp_path / "growing.py").write_text(GROWING)
     monkeypatch.syspath_prepend(tmp_path)
-    monkeypatch.setattr(native_flavour, "PLATFORMS", {"linux64": native_flavour.PLATFORMS["linux64"]})
+    monkeypatch.setattr(native_flavour, "PLATFORMS", {"x86_64-linux": native_flavour.PLATFORMS["x86_64-linux"]})
     with Talking(build("growing", "native", tmp_path / "dist")) as member:
         yield Raw(member)
     del sys.modules["growing"]
