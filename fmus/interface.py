@@ -6,11 +6,12 @@ A model is a module with
                            angles in rad, and shown in degrees; "rad/s frequency" is the unit rad/s of what is no
                            rate of an angle, and shown as it is; "1 discrete" makes a Real that changes at the end of
                            steps only, such as a flag, 0 or 1; the unit "" makes a Boolean, every other a Real
+    UNITS                  optional: name -> (how many, of which unit), units beside those of `fmus.units`
     PRESETS                name -> {parameter: value}
     TERMINALS              optional: name -> names of the inputs and outputs that belong together on a connection
     start(m, u, p) -> x                    initial state, a list of floats, from inputs and parameters
     outputs(m, t, x, u, p) -> {name: value}   every output and calculated parameter of the table
-and one of the two, or both:
+and, where there is a state, one of the two, or both:
     derivative(m, t, x, u, p) -> rates     dx/dt of the first len(STATES) entries of x, per second; the further entries
                                            are memories, which do not change
     advance(m, t, h, x, u, p, c) -> x      the state h seconds later, with the inputs held

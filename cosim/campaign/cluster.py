@@ -24,7 +24,8 @@ from ..errors import RunError, UsageError
 
 WAIT_S = 60.0  # for a first worker
 ANSWER_S = 15.0  # for an answer of the scheduler
-CLOSING_S = 0.5
+KILLED_S = 0.5   # for processes that are killed
+CLOSING_S = 0.1  # for what has no processes any more: it goes on by itself, and nothing waits for it
 
 
 @dataclass(frozen=True)
@@ -113,7 +114,7 @@ def kill(others: set[BaseProcess]) -> None:
     for process in killed:
         process.kill()
     for process in killed:
-        process.join(CLOSING_S)
+        process.join(KILLED_S)
 
 
 @contextmanager

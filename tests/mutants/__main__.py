@@ -41,7 +41,7 @@ ROOT = Path(__file__).parents[2]
 RESULTS = ROOT / "results" / "mutants.jsonl"
 JUDGED = Path(__file__).with_name("judged.yaml")
 LIBRARIES = ("pytest", "casadi", "fmpy.fmi2", "lxml.etree", "pythonfmu", "pyarrow.parquet", "pydantic", "scipy.stats",
-             "scipy.signal", "hypothesis.strategies", "matplotlib.figure", "typer", "rich.console", "numba",
+             "scipy.signal", "hypothesis.strategies", "matplotlib.figure", "typer", "rich.console",
              "distributed")
 PYTEST = ["-x", "-q", "--no-header", "--tb=line", "-p", "no:cacheprovider", "-m", "not slow and not peers"]
 PDEATHSIG = 1
@@ -148,7 +148,7 @@ class Copy:
 
     def narrow(self, room: str, stage: str) -> None:
         """Build no FMUs but those that the stage needs, and as cheaply as it allows; small.c once only."""
-        building, flavour = import_module("fmus.build"), import_module("fmus.native_flavour")
+        building, flavour = import_module("fmus.builder"), import_module("fmus.native_flavour")
         assert str(building.__file__).startswith(str(self.root)), "the tests would not try the copy"
         every, small = stage.startswith("platforms "), import_module("small")
         compiled = small.library
@@ -159,13 +159,14 @@ class Copy:
         wanted = ("AhvScenario",) if every else FMUS[room] or registry.MODELS
         registry.MODELS = {name: registry.MODELS[name] for name in wanted}
         if not every:
-            flavour.PLATFORMS = {"linux64": flavour.PLATFORMS["linux64"]}
+            flavour.PLATFORMS = {"x86_64-linux": flavour.PLATFORMS["x86_64-linux"]}
         names, make = {module: name for name, module in registry.MODELS.items()}, building.build
 
-        def built(model: str, flavour: str, *more: object) -> Path:
+        def built(model: str, flavour: str, *more: object, fmi: str = "2") -> Path:
             if flavour == "native" and model in names:
-                return recompiled(self.dist / flavour / f"{names[model]}.fmu", self.root / "fmus" / "wrapper")
-            return make(model, flavour, *more)
+                file = self.dist / building.folder(flavour, fmi) / f"{names[model]}.fmu"
+                return recompiled(file, self.root / "fmus" / "wrapper")
+            return make(model, flavour, *more, fmi=fmi)
 
         if room == "wrapper":
             building.build = built
