@@ -19,6 +19,7 @@ def build(
     fmi: Annotated[str, typer.Option(help="Version of FMI: 2, 3 or all. The Python flavour has 2 only.")] = "all",
     out: Annotated[Path | None, typer.Option(help="Folder that gets FLAVOUR/NAME.fmu and native-fmi3/NAME.fmu, instead "
                                              "of fmus/dist.", show_default=False)] = None,
+    arm: Annotated[bool, typer.Option("--arm", hidden=True)] = False,  # all FMUs have binaries for Arm by now
 ) -> None:
     """Write FMU files, of the models of this project or of your own (docs/building.md)."""
     from fmus.builder import FLAVOURS, versions
