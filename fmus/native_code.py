@@ -6,6 +6,7 @@ from types import ModuleType
 import casadi
 
 from .interface import Variable, computed, names, variables
+from .hoist import hoisted
 from .trace import Trace
 from .units import DEGREES
 
@@ -32,7 +33,7 @@ def internal_function(name: str, body: str) -> str:
                   f"static void model_{name}(const double **arg, double **res)\n{{\n  (void)arg, (void)res;",
                   body, flags=re.MULTILINE)
     body = re.sub(r"(arg\[\d+\])\? (\1\[\d+\]) : 0", r"\2", body)
-    return body.replace("if (res[0]!=0) ", "").replace("  return 0;\n", "")
+    return re.sub(r"if \(res\[\d+\]!=0\) ", "", body).replace("  return 0;\n", "")
 
 
 def function_code(trace: Trace) -> str:
@@ -43,7 +44,8 @@ def function_code(trace: Trace) -> str:
     version of CasADi is known to write.
     """
     generator = casadi.CodeGenerator("model", {"casadi_real": "double", "casadi_int": "int"})
-    kept = [trace.prepare, trace.start, trace.advance, trace.outputs, *tangents(trace)]
+    own = hoisted(trace)
+    kept = [own.constants, own.prepare, own.hold, trace.start, own.advance, own.outputs, own.finish, *tangents(trace)]
     for function in kept:
         generator.add(function)
     text = generator.dump()
