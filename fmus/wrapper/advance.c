@@ -53,28 +53,90 @@ static void take(State *s, const double *x, const double *y, double time)
 }
 
 /* The state and outputs that the inputs and parameters set so far lead to. */
-static fmi2Status initialise(Instance *instance)
+static Status initialise(Instance *instance)
 {
     State *s = &instance->state;
     char reason[SENTENCE], low[32], high[32];
     const Variable *suspect;
     double *x = instance->next_x[0], *y = instance->next_y;
-    if (!s->stale)
-        return fmi2OK;
     if ((suspect = first_unwired(reason, s)))
-        return refuse(instance, fmi2Error,
+        return refuse(instance, ERROR,
                       MODEL_NAME " cannot start: %s It starts with %s from %s to %s%s, set before initialisation ends",
                       reason, suspect->name,
                       number(low, suspect->minimum == -DBL_MAX ? -INFINITY : suspect->minimum * suspect->shown),
                       number(high, suspect->maximum == DBL_MAX ? INFINITY : suspect->maximum * suspect->shown),
                       suspect->unit);
+    model_constants((const double *[]){s->p}, (double *[]){s->k});
     model_start((const double *[]){s->u, s->p}, (double *[]){x});
-    model_outputs((const double *[]){&s->time, x, s->u, s->p}, (double *[]){y});
+    model_outputs((const double *[]){&s->time, x, s->u, s->p, s->k}, (double *[]){y});
     if (not_acceptable(reason, x, y))
-        return refuse(instance, fmi2Error, MODEL_NAME " cannot start: %s", reason);
+        return refuse(instance, ERROR, MODEL_NAME " cannot start: %s", reason);
     take(s, x, y, s->time);
     s->stale = 0;
-    return fmi2OK;
+    return OK;
+}
+
+/* The step is not taken, or the values are not: all stays as it was. */
+static Status discard(const Instance *instance, double time, const char *reason)
+{
+    char text[32];
+    return refuse(instance, DISCARD, "%s at t = %s s", reason, number(text, time));
+}
+
+/* As `discard`, for a reason that the model gives: an input that is not wired may be behind it. */
+static Status model_discards(const Instance *instance, double time, const char *reason)
+{
+    char question[SENTENCE], text[32];
+    if (!first_unwired(question, &instance->state))
+        return discard(instance, time, reason);
+    return refuse(instance, DISCARD, "%s %s at t = %s s", question, reason, number(text, time));
+}
+
+/* The outputs that belong to time, states and inputs as they are set, into next_y. */
+static Status evaluate(Instance *instance)
+{
+    const State *s = &instance->state;
+    char reason[SENTENCE];
+    if (input_refused(reason, s))
+        return discard(instance, s->time, reason);
+    model_outputs((const double *[]){&s->time, s->x, s->u, s->p, s->k}, (double *[]){instance->next_y});
+    if (not_acceptable(reason, s->x, instance->next_y))
+        return model_discards(instance, s->time, reason);
+    return OK;
+}
+
+/* The state and outputs are brought up to date with what was set. In continuous time, what is discrete stays as the
+   last event left it. */
+static Status refresh(Instance *instance)
+{
+    State *s = &instance->state;
+    Status status;
+    if (!s->stale)
+        return OK;
+    if (s->phase <= INITIALISING)
+        return initialise(instance);
+    if ((status = evaluate(instance)) != OK)
+        return status;
+    for (int i = 0; i < NY; i++)
+        if (s->phase != IN_CONTINUOUS_TIME || !TABLE[COMPUTED[i]].discrete)
+            s->y[i] = instance->next_y[i];
+    s->stale = 0;
+    return OK;
+}
+
+/* The derivatives of the continuous states, into `rates`. */
+static Status find_rates(Instance *instance)
+{
+    const State *s = &instance->state;
+    char reason[SENTENCE];
+    Status status = refresh(instance);
+    if (status != OK)
+        return status;
+    model_derivative((const double *[]){&s->time, s->x, s->u, s->p, s->k}, (double *[]){instance->rates});
+    for (int i = 0; i < NS; i++)
+        if (out_of_range(reason, &TABLE[FIRST_RATE + i], instance->rates[i]))
+            return model_discards(instance, s->time, reason);
+    return OK;
 }
 
 /* Number and length of internal steps, and the numbers that depend on them; returns 0 if they are too many. */
@@ -85,23 +147,27 @@ static int prepare(State *s, double step)
         return 0;
     s->count = count;
     s->h = step / count;
-    model_prepare((const double *[]){s->p, &s->h}, (double *[]){s->c});
+    model_prepare((const double *[]){s->p, &s->h, s->k}, (double *[]){s->c});
     s->step = step;
     return 1;
 }
 
-/* `step` seconds on from `time` with the inputs held, into next_y and the state that is returned. */
+/* `step` seconds on from `time` with the inputs held, into next_y and the state that is returned. The last internal
+   step is taken together with the outputs after it, which have much in common. */
 static const double *advance(Instance *instance, double time, double step)
 {
     const State *s = &instance->state;
-    const double *x = s->x;
     const double end = time + step;
-    const int count = (int)s->count;
-    for (int i = 0; i < count; i++) {
-        double t = time + i * s->h;
-        model_advance((const double *[]){&t, &s->h, x, s->u, s->p, s->c}, (double *[]){instance->next_x[i & 1]});
-        x = instance->next_x[i & 1];
+    const int last = (int)s->count - 1;
+    double t = time, w[LENGTH(NW)];
+    const double *arg[] = {&t, &s->h, s->x, s->u, s->p, s->k, s->c, w, &end};
+    const double **from = &arg[2];
+    model_hold((const double *[]){&s->h, s->u, s->p, s->k, s->c}, (double *[]){w});
+    for (int i = 0; i < last; i++) {
+        model_advance(arg, (double *[]){instance->next_x[i & 1]});
+        *from = instance->next_x[i & 1];
+        t = time + (i + 1) * s->h;
     }
-    model_outputs((const double *[]){&end, x, s->u, s->p}, (double *[]){instance->next_y});
-    return x;
+    model_finish(arg, (double *[]){instance->next_x[last & 1], instance->next_y});
+    return instance->next_x[last & 1];
 }
