@@ -69,8 +69,8 @@ def function_code(trace: Trace, own: Hoisted) -> str:
     _, begins, helpers = before.rpartition("#endif\n\ncasadi_real")
     helpers = re.sub(r"^casadi_real casadi_", "static double casadi_", begins[8:] + helpers, flags=re.MULTILINE)
     bodies = re.findall(r"^/\* (\w+):[^\n]*\*/\n(static int casadi_f\d+\(.*?^\}\n)", text, re.MULTILINE | re.DOTALL)
-    code = "\n".join(["#include <math.h>\n", helpers, *(internal_function(*body) for body in bodies)])
-    code = code.replace("casadi_real", "double")
+    code = "\n".join(['#include "angles.h"\n', helpers, *(internal_function(*body) for body in bodies)])
+    code = re.sub(r"\b(sin|cos)\(", r"angle_\1(", code.replace("casadi_real", "double"))
     if [name for name, _ in bodies] != [f.name() for f in kept] or re.search(r"arg\[\d+\]\?|\b(iw|w|return 1)\b", code):
         raise RuntimeError(f"CasADi {version('casadi')} generates C of another shape than {__name__} knows")
     return code
