@@ -46,41 +46,38 @@ def activation(m, dimensions):
 
     `dimensions` has (input, low, high, width) for each network input. The centres lie on a line, so h_j^2, which is
     exp(-distance^2) (the half cancels), is a Gaussian in the node's index j. It is summed from the node nearest the
-    input to both ends, where each term is the last one times a ratio of at most 1: nothing overflows.
+    input to both ends: n nodes on it is weight_n ratio^n times as large, where neither is above 1 and the weights
+    depend on parameters only.
     """
-    offsets = [(value - low) / width for value, low, high, width in dimensions]
-    strides = [(high - low) / (width * LAST) for _, low, high, width in dimensions]
-    c = sum([stride * stride for stride in strides])
-    place = sum([offset * (stride / m.fmax(c, TINY)) for offset, stride in zip(offsets, strides)])
-    nearest = m.floor(m.fmin(m.fmax(place + 0.5, 0.0), LAST))
-    rest = [offset - nearest * stride for offset, stride in zip(offsets, strides)]
-    distance = sum([r * r for r in rest])
-    slope = 2 * sum([r * stride for r, stride in zip(rest, strides)])  # n nodes on: distance - slope n + c n^2
+    line, c, along = [], 0.0, 0.0
+    for value, low, high, width in dimensions:
+        offset, stride = (value - low) / width, (high - low) / (width * LAST)
+        line.append((offset, stride))
+        c, along = c + stride * stride, along + offset * stride
+    nearest = m.floor(m.fmin(m.fmax(along / m.fmax(c, TINY) + 0.5, 0.0), LAST))
+    distance, slope = 0.0, 0.0
+    for offset, stride in line:
+        rest = offset - nearest * stride
+        distance, slope = distance + rest * rest, slope + 2 * rest * stride
 
-    late = nearest > LAST / 2  # then the line is turned: HALF nodes or more lie ahead, fewer than that behind
+    late = nearest > LAST / 2  # then the line is turned: HALF nodes or more lie ahead, fewer than HALF behind
     slope, behind = m.where(late, -slope, slope), m.where(late, LAST - nearest, nearest)
-    weights = ratios_of_weights(m, c)
-    ahead = [w if n <= HALF else m.where(n <= LAST - behind, w, 0.0) for n, w in enumerate(weights, 1)]
-    others = [m.where(n <= behind, w, 0.0) for n, w in enumerate(weights[:NODES - HALF - 1], 1)]
-    up, down = m.exp(m.fmin(slope - c, 0.0)), m.exp(m.fmin(-slope - c, 0.0))
-    nodes = 1 + up * polynomial(ahead, up) + down * polynomial(others, down)
-    return m.where(distance < FAR, m.exp(-distance) * nodes, 0.0)  # far away, inf - inf is not asked
-
-
-def ratios_of_weights(m, c):
-    """exp(-c (n^2 - n)) for n = 1, 2, ... LAST."""
-    weights, factor, q = [1.0], 1.0, m.exp(-2 * c)
+    factor, weights, q = 1.0, [1.0], m.exp(-2 * c)  # weight_n is exp(-c (n^2 - n))
     for _ in range(LAST - 1):
         factor = factor * q
         weights.append(weights[-1] * factor)
-    return weights
+    ahead = weights[:HALF] + [m.where(n <= LAST - behind, weights[n - 1], 0.0) for n in range(HALF + 1, NODES)]
+    others = [m.where(n <= behind, weights[n - 1], 0.0) for n in range(1, HALF)]
+    up, down = m.exp(m.fmin(slope - c, 0.0)), m.exp(m.fmin(-slope - c, 0.0))
+    nodes = 1 + up * polynomial(ahead, up) + down * polynomial(others, down)
+    return m.where(distance < FAR, m.exp(-distance) * nodes, 0.0)  # beyond, nodes may be inf * 0
 
 
 def polynomial(coefficients, z):
     """The polynomial with `coefficients` (of z^0 first) at z; in pairs, so that few products wait for others."""
     while len(coefficients) > 1:
         pairs = [even + z * odd for even, odd in zip(coefficients[::2], coefficients[1::2])]
-        coefficients = pairs + coefficients[len(pairs) * 2:]
+        coefficients = pairs + coefficients[2 * len(pairs):]
         z = z * z
     return coefficients[0]
 
