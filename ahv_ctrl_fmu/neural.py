@@ -49,16 +49,18 @@ def activation(m, dimensions):
     input to both ends: n nodes on it is weight_n ratio^n times as large, where neither is above 1 and the weights
     depend on parameters only.
     """
-    line, c, along = [], 0.0, 0.0
+    line, c = [], 0.0
     for value, low, high, width in dimensions:
         offset, stride = (value - low) / width, (high - low) / (width * LAST)
         line.append((offset, stride))
-        c, along = c + stride * stride, along + offset * stride
-    nearest = m.floor(m.fmin(m.fmax(along / m.fmax(c, TINY) + 0.5, 0.0), LAST))
-    distance, slope = 0.0, 0.0
+        c = c + stride * stride
+    place, distance, slope = 0.5, 0.0, 0.0
+    for offset, stride in line:
+        place = place + offset * (stride / m.fmax(c, TINY))
+    nearest = m.floor(m.fmin(m.fmax(place, 0.0), LAST))
     for offset, stride in line:
         rest = offset - nearest * stride
-        distance, slope = distance + rest * rest, slope + 2 * rest * stride
+        distance, slope = distance + rest * rest, slope + rest * (2 * stride)
 
     late = nearest > LAST / 2  # then the line is turned: HALF nodes or more lie ahead, fewer than HALF behind
     slope, behind = m.where(late, -slope, slope), m.where(late, LAST - nearest, nearest)

@@ -11,8 +11,8 @@ from ahv_plant_fmu import model as plant
 from fmus import symbols
 from fmus.hoist import hoisted
 from fmus.interface import internal_steps, names, variables
-from fmus.native_code import rates
 from fmus.linearize import NoTrim, linear_loop, linear_vehicle
+from fmus.native_code import rates
 from fmus.trace import symbol_namespace, trace_model
 
 SPEEDS, ALTITUDES = np.linspace(7500, 9500, 9), np.linspace(80000, 100000, 9)  # ft/s, ft

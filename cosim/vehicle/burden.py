@@ -9,9 +9,9 @@ import numpy as np
 
 from ..errors import RunError
 from ..master.algorithms import method
-from ..master.fly import fly_loaded, open_files
+from ..master.fly import fly_loaded
 from ..master.guard import POSSIBLE
-from ..master.loaded import Master
+from ..master.loaded import Master, open_files
 from ..master.system import System
 
 ROUNDS, ROUND_S = 40, 1e-3

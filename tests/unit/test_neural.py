@@ -97,7 +97,8 @@ def summed(dimensions):
 @pytest.fixture(scope="module")
 def traced_activation():
     row = casadi.SX.sym("row", 4, 2)
-    return casadi.Function("activation", [row], [law.activation(symbols, [casadi.vertsplit(row[:, i]) for i in (0, 1)])])
+    dimensions = [casadi.vertsplit(row[:, i]) for i in (0, 1)]
+    return casadi.Function("activation", [row], [law.activation(symbols, dimensions)])
 
 
 ROW = st.tuples(st.floats(-1, 1), st.sampled_from([0.0, 1e-6, 1e-3, 0.3, 1.0, 30.0, -1.0, 1e6]), st.floats(-0.6, 1.6),
