@@ -11,90 +11,63 @@ def dynamic_pressure(m, V, h, p):
     return 0.5 * p.air_density_0 * V * V * m.exp((p.h_0 - h) / p.h_scale)
 
 
-def polynomial(coefficients, alpha):
-    """The polynomial with `coefficients`, of the highest power first, at alpha."""
-    first, *others = coefficients
-    for coefficient in others:
-        first = first * alpha + coefficient
-    return first
-
-
-def scaled(factor, coefficients):
-    """The coefficients of a polynomial that is `factor` times as large."""
-    return [factor * coefficient for coefficient in coefficients]
-
-
 def thrust_slope(alpha, p):
     """dT/dPhi of (8), (9), lbf/ft."""
-    return polynomial((p.beta_1, p.beta_3, p.beta_5, p.beta_7), alpha)
+    return ((p.beta_1 * alpha + p.beta_3) * alpha + p.beta_5) * alpha + p.beta_7
 
 
 def thrust_offset(alpha, p):
     """T at Phi = 0 of (8), (9), lbf/ft."""
-    return polynomial((p.beta_2, p.beta_4, p.beta_6, p.beta_8), alpha)
+    return ((p.beta_2 * alpha + p.beta_4) * alpha + p.beta_6) * alpha + p.beta_8
 
 
-def thrust_coefficients(fuel_ratio, p):
-    """T of (8), (9), lbf/ft, as a polynomial in alpha."""
-    return (p.beta_1 * fuel_ratio + p.beta_2, p.beta_3 * fuel_ratio + p.beta_4,
-            p.beta_5 * fuel_ratio + p.beta_6, p.beta_7 * fuel_ratio + p.beta_8)
+# The forces are polynomials in alpha whose coefficients held inputs and parameters decide: these are computed once a
+# step, so factors stand with them.
 
 
-def lift_coefficients(elevator, p):
-    """L/q of (8), ft, as a polynomial in alpha."""
-    return scaled(p.reference_area, (p.CL_alpha, p.CL_elevator * elevator + p.CL_0))
+def thrust(alpha, fuel_ratio, p, scale=1.0):
+    """`scale` times T of (8), (9), lbf/ft."""
+    cubic, square = scale * (p.beta_1 * fuel_ratio + p.beta_2), scale * (p.beta_3 * fuel_ratio + p.beta_4)
+    linear, constant = scale * (p.beta_5 * fuel_ratio + p.beta_6), scale * (p.beta_7 * fuel_ratio + p.beta_8)
+    return ((cubic * alpha + square) * alpha + linear) * alpha + constant
 
 
-def drag_coefficients(elevator, p):
-    """D/q of (8), ft, as a polynomial in alpha."""
-    return scaled(p.reference_area, (p.CD_alpha2, p.CD_alpha,
-                                     (p.CD_elevator2 * elevator + p.CD_elevator) * elevator + p.CD_0))
+def lift(q, alpha, elevator, p, scale=1.0):
+    """`scale` times L of (8), lbf/ft."""
+    area = scale * p.reference_area
+    return q * (area * p.CL_alpha * alpha + area * (p.CL_elevator * elevator + p.CL_0))
 
 
-def moment_coefficients(elevator, p):
-    """The part of M in (8) that is not due to thrust, over q, ft^2, as a polynomial in alpha."""
-    return scaled(p.reference_area * p.chord, (p.CM_alpha2, p.CM_alpha, p.CM_0 + p.CM_elevator * elevator))
+def drag(q, alpha, elevator, p, scale=1.0):
+    """`scale` times D of (8), lbf/ft."""
+    area = scale * p.reference_area
+    return q * ((area * p.CD_alpha2 * alpha + area * p.CD_alpha) * alpha
+                + area * ((p.CD_elevator2 * elevator + p.CD_elevator) * elevator + p.CD_0))
 
 
-def force_coefficients(elevator, p):
-    """N1 and N2 of (8), 1/s^2, as polynomials in alpha."""
-    return ((p.N1_alpha2, p.N1_alpha, p.N1_0), (p.N2_alpha2, p.N2_alpha, p.N2_0 + p.N2_elevator * elevator))
+def aerodynamic_moment(q, alpha, elevator, p, scale=1.0):
+    """`scale` times the part of M in (8) that is not due to thrust, lbf.ft/ft."""
+    volume = scale * p.reference_area * p.chord
+    return q * ((volume * p.CM_alpha2 * alpha + volume * p.CM_alpha) * alpha
+                + volume * (p.CM_0 + p.CM_elevator * elevator))
 
 
-def thrust(alpha, fuel_ratio, p):
-    """T of (8), (9), lbf/ft."""
-    return polynomial(thrust_coefficients(fuel_ratio, p), alpha)
-
-
-def lift(q, alpha, elevator, p):
-    """L of (8), lbf/ft."""
-    return q * polynomial(lift_coefficients(elevator, p), alpha)
-
-
-def drag(q, alpha, elevator, p):
-    """D of (8), lbf/ft."""
-    return q * polynomial(drag_coefficients(elevator, p), alpha)
-
-
-def aerodynamic_moment(q, alpha, elevator, p):
-    """The part of M in (8) that is not due to thrust, lbf.ft/ft."""
-    return q * polynomial(moment_coefficients(elevator, p), alpha)
-
-
-def generalised_forces(alpha, elevator, p):
-    """N1, N2 of (8), 1/s^2."""
-    return [polynomial(coefficients, alpha) for coefficients in force_coefficients(elevator, p)]
+def generalised_forces(alpha, elevator, p, scale=1.0):
+    """`scale` times N1, N2 of (8), 1/s^2."""
+    return ((scale * p.N1_alpha2 * alpha + scale * p.N1_alpha) * alpha + scale * p.N1_0,
+            (scale * p.N2_alpha2 * alpha + scale * p.N2_alpha) * alpha
+            + scale * (p.N2_0 + p.N2_elevator * elevator))
 
 
 def forces(m, x, fuel_ratio, elevator, scale, p):
     """(q, T, L, D, M, N1, N2) of (8), (9) with every coefficient group scaled."""
     alpha = x[3] - x[2]
     q = dynamic_pressure(m, x[0], x[1], p)
-    T = polynomial(scaled(scale.thrust, thrust_coefficients(fuel_ratio, p)), alpha)
-    L = q * polynomial(scaled(scale.lift, lift_coefficients(elevator, p)), alpha)
-    D = q * polynomial(scaled(scale.drag, drag_coefficients(elevator, p)), alpha)
-    M = p.thrust_arm * T + q * polynomial(scaled(scale.moment, moment_coefficients(elevator, p)), alpha)
-    N1, N2 = (polynomial(scaled(scale.forces, of_mode), alpha) for of_mode in force_coefficients(elevator, p))
+    T = thrust(alpha, fuel_ratio, p, scale.thrust)
+    L = lift(q, alpha, elevator, p, scale.lift)
+    D = drag(q, alpha, elevator, p, scale.drag)
+    M = p.thrust_arm * T + aerodynamic_moment(q, alpha, elevator, p, scale.moment)
+    N1, N2 = generalised_forces(alpha, elevator, p, scale.forces)
     return q, T, L, D, M, N1, N2
 
 
