@@ -90,8 +90,8 @@ def c_array(kind: str, name: str, values: list[str]) -> str:
     return f"static const {kind} {name}[] = {{{', '.join(values or ['0'])}}};"
 
 
-def table_header(model: ModuleType, trace: Trace, sizes: dict[str, int]) -> str:
-    """model.h: `sizes` of vectors, the table, and its limits as arrays."""
+def table_header(model: ModuleType, trace: Trace, own: Hoisted) -> str:
+    """model.h: sizes, the table, and its limits as arrays."""
     rows, continuous = all_variables(model), [v.name for v in states(model)]
     reference = {v.name: v.value_reference for v in rows}
     groups = {causality: names(rows, causality) for causality in ("input", "parameter", "independent")}
@@ -106,10 +106,13 @@ def table_header(model: ModuleType, trace: Trace, sizes: dict[str, int]) -> str:
             return table_row(v, continuous.index(v.derivative_of or v.name), state)
         return table_row(v, groups.get(v.causality, y).index(v.name), state)
 
-    sizes = {"v": len(rows), **sizes, "s": len(continuous)}
+    def lengths(of: dict[str, int]) -> str:
+        return "enum { " + ", ".join(f"N{name.upper()} = {n}" for name, n in of.items()) + " };"
+
     return "\n".join([
         f'#define MODEL_NAME "{model.NAME}"',
-        "enum { " + ", ".join(f"N{k.upper()} = {n}" for k, n in sizes.items()) + " };",
+        lengths({"v": len(rows), **trace.sizes, "c": own.sizes["c"], "s": len(continuous)}),
+        lengths({"k": own.sizes["k"], "w": own.sizes["w"]}),
         f"enum {{ HAS_DERIVATIVE = {int(trace.derivative is not None)}, "
         f"HAS_DISCRETE_OUTPUTS = {int(any(v.discrete for v in results))}, "
         f"FIRST_RATE = {len(rows) - 1 - len(continuous)} }};",
@@ -129,5 +132,5 @@ def table_header(model: ModuleType, trace: Trace, sizes: dict[str, int]) -> str:
 def generated_sources(model: ModuleType, trace: Trace) -> dict[str, bytes]:
     """The generated files: name -> content. Raises RuntimeError where CasADi generates other C than expected."""
     own = hoisted(trace, rates(trace))
-    return {"model.h": table_header(model, trace, {**trace.sizes, **own.sizes}).encode(),
+    return {"model.h": table_header(model, trace, own).encode(),
             "model.c": function_code(trace, own).encode()}
