@@ -5,8 +5,10 @@ flown to the equilibrium again.
 """
 from contextlib import closing
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
+from scipy.ndimage import maximum_filter1d
 
 from ..errors import RunError
 from ..master import program as P
@@ -14,6 +16,7 @@ from ..master.algorithms.base import chosen_order, turn
 from ..master.fmu import FmuFile
 from ..master.loaded import Master
 from ..master.system import System
+from .equations import state_variables
 
 Array = np.ndarray
 LOOKS = 20           # checks for rest until `settle`
@@ -23,6 +26,9 @@ ENOUGH = 0.2         # a pulse is small enough if this share of the horizon is l
 LINEAR = 1e-4        # largest relative difference between an answer and twice that to half the pulse
 NOISE = 1e-9         # differences below this, relative to the output's scale, are ignored
 SHORTEST = 20        # ticks of a linear answer that are needed
+AROUND = 51          # ticks whose largest error counts at each tick
+SAFE = 3.0           # errors of an extrapolation are estimated by its last step
+ROUNDED = 1e-15      # of a value: what the rounding of several flights adds up to
 ZERO = 1e-9          # a signal that stays below this does not tell its scale
 
 
@@ -46,12 +52,14 @@ class Answers:
     """A component's answers to a pulse on each input, one tick long and of size 1.
 
     `values` and `errors` (how far the values may be off) have the shape (ticks, outputs, inputs), in the units of
-    output per input; the first row is at the end of the pulse.
+    output per input; the first row is at the end of the pulse. `states` are the continuous states of its equations at
+    rest, by name; None if it has no model-exchange interface.
     """
     inputs: list[str]
     outputs: list[str]
     values: Array
     errors: Array
+    states: dict[str, float] | None = None
 
 
 def in_turn(master: Master) -> Array:
@@ -105,6 +113,7 @@ class Alone:
         self.rest, self.component, self.outputs, self.horizon = rest, component, outputs, horizon
         self.kept: Master | None = None   # loaded, with the component's state at rest saved
         self.snapshot: list[Array] = []   # the signals at rest
+        self.states: dict[str, float] | None = None
 
     def __enter__(self) -> "Alone":
         return self
@@ -119,6 +128,10 @@ class Alone:
         try:
             master.initialise(0.0, self.rest.stop)
             master.run(in_turn(master), 0, self.rest.ticks, 0.0, self.rest.step)
+            file = self.rest.files[self.component]
+            if file.description.model_exchange is not None and self.states is None:
+                names = [v.name for v in state_variables(file)]
+                self.states = dict(zip(names, master.instances[master.number[self.component]].get(names)))
         except BaseException:
             master.close()
             raise
@@ -162,8 +175,10 @@ def answers(rest: Rest, component: str, inputs: list[str], needed: list[str], ho
     """The answers of one component of a system at rest, for `horizon` ticks. The outputs are those `needed`, then all
     other continuous outputs that answer linearly.
 
-    Each pulse is flown with both signs, and again with half the size. A linear answer halves; its even part is zero, or
-    falls to a quarter. Answers end where the deviation from that exceeds LINEAR, as an unstable component's must.
+    Each pulse is flown with both signs, and again with half and a quarter of the size. From these the linear part is
+    extrapolated; an answer with a kink does not bend as its size tells. Answers end where the deviation from that
+    exceeds LINEAR, as an unstable component's must. Of the sizes that answer long enough, the one is taken before the
+    errors grow again.
     Raises RunError if a needed output does not answer even the smallest pulse linearly.
     """
     file, links = rest.files[component], {link.target: link for link in rest.system.connections}
@@ -175,16 +190,18 @@ def answers(rest: Rest, component: str, inputs: list[str], needed: list[str], ho
         for name in inputs:
             link = links[f"{component}.{name}"]
             unit = scale(file, name, abs(link.factor) * rest.large[link.source])
-            tried = []
+            tried: list[tuple[Array, Array, Array]] = []
             for size in SIZES:
                 values, errors = answer(alone, name, size * unit, still)
                 fits = linear_until(values, errors, NOISE * large / (size * unit))
                 in_all = np.flatnonzero(fits[:, :len(needed)].all(axis=1))
                 kept = int(in_all[-1]) + 1 if len(in_all) else 0
-                tried.append((values[:kept], errors[:kept], fits[kept - 1] if kept else False))
-                if kept >= ENOUGH * horizon:
+                one = values[:kept], errors[:kept], fits[kept - 1] if kept else good
+                if tried and len(tried[-1][0]) >= ENOUGH * horizon and not better(one, tried[-1], len(needed)):
                     break
-            values, errors, fit = max(tried, key=lambda one: len(one[0]))
+                tried.append(one)
+            values, errors, fit = tried[-1] if len(tried[-1][0]) >= ENOUGH * horizon else max(
+                tried, key=lambda one: len(one[0]))
             if len(values) < min(SHORTEST, horizon):
                 raise RunError(f"{component} ({file.path.name}) cannot be linearised: its answer to a change of {name} "
                                f"by {SIZES[-1] * unit:.3g} is not linear, as at a limit or a switch.")
@@ -192,23 +209,37 @@ def answers(rest: Rest, component: str, inputs: list[str], needed: list[str], ho
             good &= fit
     kept = min(len(values) for values, _ in found)
     return Answers(inputs, [n for n, fits in zip(outputs, good) if fits],
-                   *(np.stack([part[:kept, good] for part in parts], axis=2) for parts in zip(*found)))
+                   *(np.stack([part[:kept, good] for part in parts], axis=2) for parts in zip(*found)), alone.states)
+
+
+def better(one: tuple[Array, ...], other: tuple[Array, ...], needed: int) -> bool:
+    """Whether the first of two answers, each with its values and errors, has smaller errors in the needed outputs."""
+    ticks = min(len(one[0]), len(other[0]))
+    if ticks < ENOUGH * len(other[0]):
+        return False
+    errors = [np.abs(part[1][:ticks, :needed]).max(axis=0) for part in (one, other)]
+    reached = np.abs(other[0][:ticks, :needed]).max(axis=0)
+    told = reached > 0
+    return bool((errors[0][told] / reached[told]).max(initial=0) < (errors[1][told] / reached[told]).max(initial=0))
 
 
 def continuous_real(file: FmuFile, name: str) -> bool:
     """Whether a variable is a Real that may change at any time."""
-    variable = file.variable(name)
-    return variable.type == "Real" and variable.variability in (None, "continuous")
+    return file.variable(name).smooth
 
 
 def answer(alone: Alone, name: str, size: float, still: Array) -> tuple[Array, Array]:
     """The outputs' answer to a pulse of `size`, divided by the size, and its errors; both (ticks, outputs)."""
-    flights = [alone.fly(name, part * size) for part in (1.0, -1.0, 0.5, -0.5)]
+    flights = [alone.fly(name, part * size) for share in (1.0, 0.5, 0.25) for part in (share, -share)]
     length = min(len(flight) for flight in (*flights, still))
-    up, down, half_up, half_down = (flight[:length] - still[:length] for flight in flights)
-    odd, half_odd = (up - down) / 2, half_up - half_down
-    values = half_odd + (half_odd - odd) / 3  # Richardson: no third-order part
-    return values / size, (np.abs(odd - half_odd) + np.abs((up + down) / 2 - 2 * (half_up + half_down))) / size
+    up, down = ([flight[:length] - still[:length] for flight in flights[first::2]] for first in (0, 1))
+    odd = [(a - b) / 2 * 2**i for i, (a, b) in enumerate(zip(up, down))]
+    even = [(a + b) / 2 * 4**i for i, (a, b) in enumerate(zip(up, down))]  # alike, but for their fourth-order part
+    whole, half = (b + (b - a) / 3 for a, b in pairwise(odd))  # Richardson: no third-order part
+    values = half + (half - whole) / 15                        # nor a fifth-order one
+    bend = 16 * (even[1] - even[2]) - 4 * (even[0] - even[1])
+    errors = maximum_filter1d(np.abs(values - half) + np.abs(bend) / 15, AROUND, axis=0)  # where it crosses 0, too
+    return values / size, (SAFE * errors + ROUNDED * np.abs(still[:length])) / size
 
 
 def linear_until(values: Array, errors: Array, negligible: Array) -> Array:
