@@ -19,6 +19,7 @@ from ..master.system import System
 from .equations import state_variables
 
 Array = np.ndarray
+Tried = tuple[Array, Array, Array]  # values and errors of answers, and which outputs answer linearly
 LOOKS = 20           # checks for rest until `settle`
 AT_REST = 1e-6       # largest change between two checks, relative to the signal's scale
 SIZES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)  # of a pulse, relative to the input's scale, tried in this order
@@ -177,8 +178,9 @@ def answers(rest: Rest, component: str, inputs: list[str], needed: list[str], ho
 
     Each pulse is flown with both signs, and again with half and a quarter of the size. From these the linear part is
     extrapolated; an answer with a kink does not bend as its size tells. Answers end where the deviation from that
-    exceeds LINEAR, as an unstable component's must. Of the sizes that answer long enough, the one is taken before the
-    errors grow again.
+    exceeds LINEAR, as an unstable component's must. The first size is taken that answers long enough; of those that
+    answer to the end, the one before the errors grow again.
+
     Raises RunError if a needed output does not answer even the smallest pulse linearly.
     """
     file, links = rest.files[component], {link.target: link for link in rest.system.connections}
@@ -190,18 +192,19 @@ def answers(rest: Rest, component: str, inputs: list[str], needed: list[str], ho
         for name in inputs:
             link = links[f"{component}.{name}"]
             unit = scale(file, name, abs(link.factor) * rest.large[link.source])
-            tried: list[tuple[Array, Array, Array]] = []
+            best: Tried = np.empty((0, len(outputs))), np.empty((0, len(outputs))), good
             for size in SIZES:
                 values, errors = answer(alone, name, size * unit, still)
                 fits = linear_until(values, errors, NOISE * large / (size * unit))
                 in_all = np.flatnonzero(fits[:, :len(needed)].all(axis=1))
                 kept = int(in_all[-1]) + 1 if len(in_all) else 0
                 one = values[:kept], errors[:kept], fits[kept - 1] if kept else good
-                if tried and len(tried[-1][0]) >= ENOUGH * horizon and not better(one, tried[-1], len(needed)):
+                if len(best[0]) == horizon and not (kept == horizon and better(one, best, len(needed))):
                     break
-                tried.append(one)
-            values, errors, fit = tried[-1] if len(tried[-1][0]) >= ENOUGH * horizon else max(
-                tried, key=lambda one: len(one[0]))
+                best = one if kept >= len(best[0]) else best
+                if ENOUGH * horizon <= len(best[0]) < horizon:
+                    break
+            values, errors, fit = best
             if len(values) < min(SHORTEST, horizon):
                 raise RunError(f"{component} ({file.path.name}) cannot be linearised: its answer to a change of {name} "
                                f"by {SIZES[-1] * unit:.3g} is not linear, as at a limit or a switch.")
@@ -212,15 +215,12 @@ def answers(rest: Rest, component: str, inputs: list[str], needed: list[str], ho
                    *(np.stack([part[:kept, good] for part in parts], axis=2) for parts in zip(*found)), alone.states)
 
 
-def better(one: tuple[Array, ...], other: tuple[Array, ...], needed: int) -> bool:
-    """Whether the first of two answers, each with its values and errors, has smaller errors in the needed outputs."""
-    ticks = min(len(one[0]), len(other[0]))
-    if ticks < ENOUGH * len(other[0]):
-        return False
-    errors = [np.abs(part[1][:ticks, :needed]).max(axis=0) for part in (one, other)]
-    reached = np.abs(other[0][:ticks, :needed]).max(axis=0)
+def better(one: Tried, other: Tried, needed: int) -> bool:
+    """Whether the first of two answers of the same length has smaller errors in the needed outputs."""
+    first, second = (part[1][:, :needed].max(axis=0) for part in (one, other))
+    reached = np.abs(other[0][:, :needed]).max(axis=0)
     told = reached > 0
-    return bool((errors[0][told] / reached[told]).max(initial=0) < (errors[1][told] / reached[told]).max(initial=0))
+    return bool((first[told] / reached[told]).max(initial=0) < (second[told] / reached[told]).max(initial=0))
 
 
 def continuous_real(file: FmuFile, name: str) -> bool:

@@ -20,12 +20,14 @@ from ..master.fmu import FmuFile
 from ..master.loaded import open_files
 from ..master.system import Connection, System
 from .connected import connected
+from .equations import Point, linearised
 from .margins import margins_at
 from .pulses import Answers, Rest, answers, at_rest, continuous_real
 from .realise import realise
-from .statespace import StateSpace, continuous, nyquist, poles, roots, zeros
+from .statespace import StateSpace, continuous, nyquist, poles, pulsed, roots, sampled, zeros
 
 HORIZON = 1000   # ticks of an answer
+ALIKE, CLOSE = 1e-8, 5.0  # of an answer's largest value until then, of its errors: a difference that is none
 AT_LIMIT = 1e-9  # of a signal's scale: a value this close to its minimum or maximum is there
 
 
@@ -68,9 +70,10 @@ def linearize(system: System, actuators: Sequence[str], sensors: Sequence[str], 
             check_limits(rest, signal, links)
         measured = {name: answered(rest, name, links, horizon) for name in order
                     if any(of(link.target) == name for link in links)}
+        smooth = {name: equations_at(rest, name, found) for name, found in measured.items()}
     for signal in actuators:
         check_answer(measured, rest, signal)
-    parts = {name: realise(name, found, step) for name, found in measured.items()}
+    parts = {name: own(name, smooth[name], found, step) for name, found in measured.items()}
     return {"settled_at_s": rest.ticks * step, "equilibrium": {k.source: rest.values[k.source] for k in links},
             **described(parts, links, actuators, sensors, commands)}
 
@@ -131,6 +134,36 @@ def answered(rest: Rest, component: str, links: Sequence[Connection], horizon: i
     inputs = [k.target.partition(".")[2] for k in links if of(k.target) == component]
     needed = sorted({k.source.partition(".")[2] for k in links if of(k.source) == component})
     return answers(rest, component, inputs, needed, horizon)
+
+
+def equations_at(rest: Rest, component: str, found: Answers) -> StateSpace | None:
+    """The equations of a component at rest, from the inputs to the outputs of its answers; None if it has none."""
+    file = rest.files[component]
+    if found.states is None:
+        return None
+    values = dict(next(c.values for c in rest.system.components if c.name == component))
+    for link in rest.system.connections:
+        if of(link.target) == component and link.source in rest.values:
+            variable = file.variable(link.target.partition(".")[2])
+            value = link.factor * rest.values[link.source] + link.offset
+            values[variable.name] = value if variable.family == "Real" else round(value)
+    point = Point(values, found.states, rest.ticks * rest.step)
+    return linearised(file, point, found.inputs, found.outputs).system
+
+
+def own(name: str, smooth: StateSpace | None, found: Answers, step: float) -> StateSpace:
+    """A component as it flies: sampled from its equations where it answers pulses as these do, else from its answers.
+
+    They differ where a component does not solve its equations as closely as its answers tell, or has more in it.
+    """
+    if smooth is not None:
+        exact = sampled(smooth, step)
+        with np.errstate(over="ignore", invalid="ignore"):
+            off = np.abs(pulsed(exact, len(found.values)) - found.values)
+        errors, reached = (np.maximum.accumulate(np.abs(part), axis=0) for part in (found.errors, found.values))
+        if (off <= CLOSE * errors + ALIKE * reached).all():
+            return exact
+    return realise(name, found, step)
 
 
 def check_answer(measured: dict[str, Answers], rest: Rest, signal: str) -> None:

@@ -1,5 +1,5 @@
 """Linear systems as matrices with names, and their poles and zeros."""
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import pi
 from typing import Any
 
@@ -50,6 +50,24 @@ def rates(values: Array, step: float) -> Array:
     if step:
         values = np.log(values[np.abs(values) > GONE]) / step
     return values[np.argsort(np.abs(values))]
+
+
+def sampled(system: StateSpace, step: float) -> StateSpace:
+    """What a continuous system does in steps of `step` seconds through which its inputs are held: its exact samples."""
+    n, m = system.B.shape
+    both = scipy.linalg.expm(step * np.block([[system.A, system.B], [np.zeros((m, n + m))]]))
+    A, B = both[:n, :n], both[:n, n:]
+    return replace(system, A=A, B=B, C=system.C @ A, D=system.C @ B + system.D, step=step)
+
+
+def pulsed(system: StateSpace, ticks: int) -> Array:
+    """What a sampled system shows of a pulse on each input, one tick long and of size 1: shape (ticks, outputs,
+    inputs)."""
+    x, found = system.B, [system.D]
+    for _ in range(ticks - 1):
+        found.append(system.C @ x)
+        x = system.A @ x
+    return np.array(found)
 
 
 def continuous(system: StateSpace) -> StateSpace | None:
