@@ -49,14 +49,9 @@ def linearised(file: FmuFile, point: Point, inputs: Sequence[str], outputs: Sequ
 
     Raises UsageError for a library's name that is none, RunError if the FMU refuses a call or its answers have a kink.
     """
-    with closing(Equations(file.for_exchange(), point)) as equations:
-        states = equations.states
+    with closing(Equations(file.for_exchange(), point, own)) as equations:
         x, rates = equations.get("GetContinuousStates"), equations.rates()
-        own = own and equations.instance.claims("providesDirectionalDerivative")
-        J = (equations.directional if own else equations.differences)(inputs, outputs)
-    n = len(states)
-    return Found(StateSpace(J[:n, :n], J[:n, n:], J[n:, :n], J[n:, n:], [v.name for v in states], list(inputs),
-                            list(outputs), 0.0), x, rates, own)
+        return Found(equations.linear(inputs, outputs), x, rates, equations.own)
 
 
 def state_variables(file: FmuFile) -> list[Variable]:
@@ -74,10 +69,12 @@ def rate_variables(file: FmuFile) -> list[Variable]:
 class Equations:
     """An instance for model exchange, at a point."""
 
-    def __init__(self, file: FmuFile, point: Point):
-        """Start `file` and go to `point`. Raises RunError if the FMU refuses."""
+    def __init__(self, file: FmuFile, point: Point, own: bool = True):
+        """Start `file` and go to `point`; `own` allows its directional derivatives. Raises RunError if the FMU
+        refuses."""
         self.file, self.states = file, state_variables(file)
         self.instance = Instance(file, file.path.stem)
+        self.own = own and self.instance.claims("providesDirectionalDerivative")
         try:
             self.instance.set({n: file.checked(n, x, file.path.stem) for n, x in point.values.items()})
             self.instance.enter(0.0, None)
@@ -114,6 +111,12 @@ class Equations:
     def rates(self) -> Array:
         """The states' derivatives."""
         return self.get("GetContinuousStateDerivatives" if self.file.description.flat else "GetDerivatives")
+
+    def linear(self, inputs: Sequence[str], outputs: Sequence[str]) -> StateSpace:
+        """The equations about where they are. Raises RunError for a kink, or if the FMU refuses."""
+        J, n = (self.directional if self.own else self.differences)(inputs, outputs), len(self.states)
+        return StateSpace(J[:n, :n], J[:n, n:], J[n:, :n], J[n:, n:], [v.name for v in self.states], list(inputs),
+                          list(outputs), 0.0)
 
     def directional(self, inputs: Sequence[str], outputs: Sequence[str]) -> Array:
         """The Jacobian of rates and outputs by states and inputs, by the FMU's own derivatives."""

@@ -19,6 +19,7 @@ from ..master.dependencies import step_order
 from ..master.fmu import FmuFile
 from ..master.loaded import open_files
 from ..master.system import Connection, System
+from .balance import balanced, given
 from .connected import connected
 from .equations import Point, linearised
 from .margins import margins_at
@@ -65,17 +66,41 @@ def linearize(system: System, actuators: Sequence[str], sensors: Sequence[str], 
         order = [n for group in step_order(system, files, {k.target: k for k in system.connections}) for n in group]
         links = live(links, [*actuators, *sensors], commands)
         check_signals(links, actuators, sensors, commands)
-        rest = at_rest(system, files, sorted({link.source for link in links}), step, settle, horizon)
-        for signal in actuators:
-            check_limits(rest, signal, links)
-        measured = {name: answered(rest, name, links, horizon) for name in order
-                    if any(of(link.target) == name for link in links)}
-        smooth = {name: equations_at(rest, name, found) for name, found in measured.items()}
+        try:
+            rest = at_rest(system, files, sorted({link.source for link in links}), step, settle, horizon)
+        except RunError as unsettled:
+            if any(files[of(link.target)].description.model_exchange is None for link in links):
+                raise
+            rest, smooth = balanced_or(unsettled, system, files, links, order, step)
+            parts = {name: sampled(part, step) for name, part in smooth.items()}
+            for signal in actuators:
+                check_limits(rest, signal, links)
+                check_part(smooth, rest, signal)
+        else:
+            for signal in actuators:
+                check_limits(rest, signal, links)
+            parts = flown(rest, links, actuators, order, horizon)
+    return {"settled_at_s": rest.ticks * step if rest.ticks else None,
+            "equilibrium": {k.source: rest.values[k.source] for k in links},
+            **described(parts, links, actuators, sensors, commands)}
+
+
+def balanced_or(unsettled: RunError, *where: Any) -> tuple[Rest, dict[str, StateSpace]]:
+    """What `balanced` finds. Raises RunError with both reasons if that is nothing."""
+    try:
+        return balanced(*where)
+    except RunError as error:
+        raise RunError(f"{str(unsettled).rstrip('.')}; {str(error).rstrip('.')}.") from None
+
+
+def flown(rest: Rest, links: Sequence[Connection], actuators: Sequence[str], order: Sequence[str], horizon: int
+          ) -> dict[str, StateSpace]:
+    """The moving components at rest, as they fly, in `order`. Raises RunError for what is not linear, or at a limit."""
+    measured = {name: answered(rest, name, links, horizon) for name in order
+                if any(of(link.target) == name for link in links)}
     for signal in actuators:
         check_answer(measured, rest, signal)
-    parts = {name: own(name, smooth[name], found, step) for name, found in measured.items()}
-    return {"settled_at_s": rest.ticks * step, "equilibrium": {k.source: rest.values[k.source] for k in links},
-            **described(parts, links, actuators, sensors, commands)}
+    return {name: own(name, equations_at(rest, name, found), found, rest.step) for name, found in measured.items()}
 
 
 def of(signal: str) -> str:
@@ -141,13 +166,7 @@ def equations_at(rest: Rest, component: str, found: Answers) -> StateSpace | Non
     file = rest.files[component]
     if found.states is None:
         return None
-    values = dict(next(c.values for c in rest.system.components if c.name == component))
-    for link in rest.system.connections:
-        if of(link.target) == component and link.source in rest.values:
-            variable = file.variable(link.target.partition(".")[2])
-            value = link.factor * rest.values[link.source] + link.offset
-            values[variable.name] = value if variable.family == "Real" else round(value)
-    point = Point(values, found.states, rest.ticks * rest.step)
+    point = Point(given(rest.system, file, component, rest.values), found.states, rest.ticks * rest.step)
     return linearised(file, point, found.inputs, found.outputs).system
 
 
@@ -174,8 +193,22 @@ def check_answer(measured: dict[str, Answers], rest: Rest, signal: str) -> None:
         row = found.outputs.index(variable)
         if np.any(np.abs(found.values[:, row]).max(axis=0) > found.errors[:, row].max(axis=0)):
             return
-    raise RunError(f"At rest the actuator {signal} = {rest.values[signal]:.6g} does not answer any input of "
-                   f"{component}: it is at a limit, or the loop is not closed through it.")
+    raise RunError(stuck(rest, signal))
+
+
+def check_part(parts: dict[str, StateSpace], rest: Rest, signal: str) -> None:
+    """The same of equations: whether an actuator depends on any state or input of its component."""
+    component, _, variable = signal.partition(".")
+    part = parts.get(component)
+    row = part.outputs.index(variable) if part else 0
+    if part is None or not (part.C[row].any() or part.D[row].any()):
+        raise RunError(stuck(rest, signal))
+
+
+def stuck(rest: Rest, signal: str) -> str:
+    """That an actuator does not answer, a sentence."""
+    return (f"At rest the actuator {signal} = {rest.values[signal]:.6g} does not answer any input of {of(signal)}: it "
+            f"is at a limit, or the loop is not closed through it.")
 
 
 def driven(links: Sequence[Connection], actuators: Iterable[str], sensors: Iterable[str]) -> set[str]:
