@@ -196,12 +196,15 @@ def answers(rest: Rest, component: str, inputs: list[str], needed: list[str], ho
     with Alone(rest, component, outputs, horizon) as alone:
         still = alone.fly("", 0.0)
         large = np.array([rest.large[f"{component}.{name}"] for name in outputs])
+        away = (np.abs(still - still[0]) / large)[:, :len(needed)].max(axis=1, initial=0.0)
+        drift = np.maximum.accumulate(away)  # alone it leaves the rest that is none: its slopes change about as much
         for name in inputs:
             link = links[f"{component}.{name}"]
             unit = scale(file, name, abs(link.factor) * rest.large[link.source])
             best: Tried = np.empty((0, len(outputs))), np.empty((0, len(outputs))), good
             for size in SIZES:
                 values, errors = answer(alone, name, size * unit, still)
+                errors += drift[:len(values), None] * np.maximum.accumulate(np.abs(values), axis=0)
                 fits = linear_until(values, errors, NOISE * large / (size * unit))
                 in_all = np.flatnonzero(fits[:, :len(needed)].all(axis=1))
                 kept = int(in_all[-1]) + 1 if len(in_all) else 0
