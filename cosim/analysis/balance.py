@@ -4,6 +4,7 @@ All components need model exchange. Inside it a loop's signals follow from all s
 """
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack, closing
+from dataclasses import replace
 
 import numpy as np
 import scipy.linalg
@@ -12,7 +13,7 @@ from ..errors import RunError
 from ..master.fmu import FmuFile
 from ..master.loaded import Master
 from ..master.system import Connection, System
-from .equations import Equations, Point
+from .equations import Equations, Point, given
 from .pulses import Rest, in_turn, scale
 from .statespace import StateSpace
 
@@ -40,7 +41,8 @@ def balanced(system: System, files: Mapping[str, FmuFile], links: Sequence[Conne
         for part in np.linspace(0, 1, STAGES + 1)[1:]:
             x = loop.solve(x, (1 - part) * first)
         loop.rates(x)
-        found = {name: loop.linear(name) for name in parts}
+        found = {name: replace(part, states=[f"{name}.{state}" for state in part.states])
+                 for name in parts for part in [loop.linear(name)]}
     large = {name: scale(files[component], variable, abs(value)) for name, value in loop.values.items()
              for component, _, variable in [name.partition(".")]}
     return Rest(system, dict(files), step, 0, step, dict(loop.values), large), found
@@ -52,17 +54,6 @@ def signals_at_start(system: System, files: dict[str, FmuFile], step: float) -> 
         master.initialise(0.0, step)
         master.run(in_turn(master), 0, 0, 0.0, step)
         return dict(zip((c.name for c in master.columns), master.row().tolist()))
-
-
-def given(system: System, file: FmuFile, component: str, signals: Mapping[str, float]) -> dict[str, object]:
-    """The values that a component is given before it starts: its own, and its connected inputs from `signals`."""
-    values = dict(next(c.values for c in system.components if c.name == component))
-    for link in system.connections:
-        if link.target.partition(".")[0] == component and link.source in signals:
-            variable = file.variable(link.target.partition(".")[2])
-            value = link.factor * signals[link.source] + link.offset
-            values[variable.name] = value if variable.family == "Real" else round(value)
-    return values
 
 
 class Loop:

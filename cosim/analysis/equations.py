@@ -15,7 +15,7 @@ from ..errors import RunError
 from ..master.declared import Variable
 from ..master.fmu import FmuFile
 from ..master.instance import ADDRESS, SIZE, Instance
-from ..master.system import Value
+from ..master.system import System, Value
 from .statespace import StateSpace
 
 Array = np.ndarray
@@ -52,6 +52,17 @@ def linearised(file: FmuFile, point: Point, inputs: Sequence[str], outputs: Sequ
     with closing(Equations(file.for_exchange(), point, own)) as equations:
         x, rates = equations.get("GetContinuousStates"), equations.rates()
         return Found(equations.linear(inputs, outputs), x, rates, equations.own)
+
+
+def given(system: System, file: FmuFile, component: str, signals: Mapping[str, float]) -> dict[str, Value]:
+    """The values that a component is given before it starts: its own, and its connected inputs from `signals`."""
+    values: dict[str, Value] = dict(next(c.values for c in system.components if c.name == component))
+    for link in system.connections:
+        if link.target.partition(".")[0] == component and link.source in signals:
+            variable = file.variable(link.target.partition(".")[2])
+            value = link.factor * signals[link.source] + link.offset
+            values[variable.name] = value if variable.family == "Real" else round(value)
+    return values
 
 
 def state_variables(file: FmuFile) -> list[Variable]:
@@ -136,10 +147,10 @@ class Equations:
                       *(part for pair in zip(places, sizes) for part in pair if part is not None))
             columns.append(found[rows])
         J = np.array(columns).reshape(-1, len(rows)).T
-        places = {v.reference: i for i, v in enumerate(self.states) if not v.array}
+        state_at = {v.reference: i for i, v in enumerate(self.states) if not v.array}
         for row, name in enumerate(outputs, len(self.states)):  # a state that is an output: some answer 0 to that
-            if of[name].reference in places:
-                J[row] = np.eye(1, J.shape[1], places[of[name].reference])
+            if of[name].reference in state_at:
+                J[row] = np.eye(1, J.shape[1], state_at[of[name].reference])[0]
         return J
 
     def differences(self, inputs: Sequence[str], outputs: Sequence[str]) -> Array:

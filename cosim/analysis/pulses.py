@@ -105,7 +105,7 @@ def at_rest(system: System, files: dict[str, FmuFile], watched: list[str], step:
             moved = np.ptp(rows[:, columns], axis=0)
             share = np.nan_to_num(moved / np.maximum(np.abs(rows[-1]), large)[columns], nan=np.inf)
             before, worst = worst, share.max(initial=0.0)
-            if worst <= STILL or worst <= AT_REST and count == ticks and worst > SLOWER * before:
+            if worst <= STILL or (worst <= AT_REST and count == ticks and worst > SLOWER * before):
                 break
     if worst <= AT_REST:
         return Rest(system, files, step, flown, stop, dict(zip(names, rows[-1].tolist())), dict(zip(names, large)))
@@ -221,8 +221,8 @@ def answers(rest: Rest, component: str, inputs: list[str], needed: list[str], ho
             found.append((values, errors))
             good &= fit
     kept = min(len(values) for values, _ in found)
-    return Answers(inputs, [n for n, fits in zip(outputs, good) if fits],
-                   *(np.stack([part[:kept, good] for part in parts], axis=2) for parts in zip(*found)), alone.states)
+    values, errors = (np.stack([part[:kept, good] for part in parts], axis=2) for parts in zip(*found))
+    return Answers(inputs, [n for n, fits in zip(outputs, good) if fits], values, errors, alone.states)
 
 
 def better(one: Tried, other: Tried, needed: int) -> bool:

@@ -1,4 +1,5 @@
 """Linear systems as matrices with names, and their poles and zeros."""
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import pi
 from typing import Any
@@ -7,6 +8,8 @@ import numpy as np
 import scipy.linalg
 
 Array = np.ndarray
+NOTHING = 1e-8     # of other answers
+SHORT, TICKS = 0.01, 200  # s and ticks, to see which output of a system answers which input
 GONE = 1e-4  # what is left of a mode after one step when it is no pole any more that samples can tell
 
 
@@ -42,6 +45,17 @@ def zeros(system: StateSpace, source: str, target: str) -> Array:
     pencil = np.block([[system.A, system.B[:, [i]]], [system.C[[o]], system.D[[o]][:, [i]]]])
     values = scipy.linalg.eigvals(pencil, np.diag([1.0] * len(system.A) + [0.0]))
     return rates(values[np.isfinite(values)], system.step)
+
+
+def zeros_of_all(system: StateSpace, outputs: Sequence[str], fastest: float = np.inf) -> dict[str, Any]:
+    """The zeros up to `fastest` from each input to each of `outputs`, by "input to output". A pair is left out whose
+    answer is rounding: next to nothing beside those of the input's other outputs and of the output's other inputs."""
+    answers = pulsed(system if system.step else sampled(system, SHORT), TICKS)
+    peaks = np.nan_to_num(np.abs(answers), posinf=np.finfo(float).max).max(axis=0)
+    row, column = peaks.max(axis=1, initial=0.0), peaks.max(axis=0, initial=0.0)
+    return {f"{i} to {o}": roots(zeros(system, i, o), fastest)
+            for k, i in enumerate(system.inputs) for j, o in enumerate(system.outputs)
+            if o in outputs and (peaks[j, k] > NOTHING * row[j] or peaks[j, k] > NOTHING * column[k])}
 
 
 def rates(values: Array, step: float) -> Array:
