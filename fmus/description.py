@@ -1,11 +1,11 @@
-"""Writes modelDescription.xml and the presets' parameter sets (SSV) from a model's table."""
+"""Writes modelDescription.xml of FMI 2.0 and the presets' parameter sets (SSV) from a model's table."""
 from dataclasses import dataclass, field
 from types import ModuleType
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
-import casadi
-
-from .interface import Variable, computed, names, variables
+from .dependencies import Dependencies, dependencies
+from .interface import GIVEN, Variable, names, variables
+from .references import all_variables
 from .trace import Trace
 from .units import DEGREES, si_base
 
@@ -19,14 +19,18 @@ LOG_CATEGORIES = {
     "logStatusFatal": "failures after which the FMU is of no use",
     "logAll": "everything",
 }
+EXPERIMENT = {"startTime": "0", "stopTime": "100", "stepSize": "0.01"}
 SSV = "http://ssp-standard.org/SSP1/SystemStructureParameterValues"
 
 
 @dataclass(frozen=True)
 class Flavour:
-    """What one kind of FMU binary can do; attributes of <CoSimulation>, and its C sources if it has any."""
+    """What one kind of FMU binary can do, as attributes of FMI 2.0's <CoSimulation>; its C sources if it has any, the
+    FMI versions that it serves, and whether it serves model exchange."""
     capabilities: dict[str, str]
     sources: list[str] = field(default_factory=list)
+    versions: tuple[str, ...] = ("2",)
+    exchanges: bool = False
 
 
 def number(value: float) -> str:
@@ -37,6 +41,13 @@ def number(value: float) -> str:
 def boolean(value: object) -> str:
     """A truth value as XML."""
     return "true" if value else "false"
+
+
+def head(model: ModuleType, version: str, tool: str, fmi: str, **token: str) -> Element:
+    """<fmiModelDescription> of FMI `fmi`, without content; `token` is the attribute that identifies the build."""
+    return Element("fmiModelDescription", token, fmiVersion=fmi, modelName=model.NAME,
+                   description=model.DESCRIPTION, version=version, author=AUTHOR, copyright=COPYRIGHT,
+                   license=LICENSE, generationTool=tool, variableNamingConvention="flat")
 
 
 def add_units(root: Element, table: list[Variable]) -> None:
@@ -53,60 +64,68 @@ def add_units(root: Element, table: list[Variable]) -> None:
             SubElement(element, "DisplayUnit", name=shown, factor=number(DEGREES))
 
 
-def add_variable(parent: Element, v: Variable) -> None:
-    """One <ScalarVariable>."""
-    port = v.causality in ("input", "output")
-    variability = "fixed" if not port else "discrete" if v.discrete else "continuous"
+def variable_attributes(v: Variable) -> dict[str, str]:
+    """What both versions say of a variable: name, reference, description, causality, variability and initial."""
+    set_once = v.causality in ("parameter", "calculatedParameter")
+    variability = "fixed" if set_once else "discrete" if v.discrete else "continuous"
     attributes = {"name": v.name, "valueReference": str(v.value_reference), "description": v.description,
                   "causality": v.causality, "variability": variability}
-    initial = {"output": "calculated", "calculatedParameter": "calculated", "parameter": "exact"}.get(v.causality)
-    if initial:
-        attributes["initial"] = initial
-    element = SubElement(parent, "ScalarVariable", attributes)
+    initial = {"input": None, "independent": None, "parameter": "exact"}.get(v.causality, "calculated")
+    return {**attributes, "initial": initial} if initial else attributes
+
+
+def value_attributes(v: Variable) -> dict[str, str]:
+    """What both versions say of a variable's values: units, limits, nominal, start."""
     if v.type == "Boolean":
-        SubElement(element, "Boolean", {} if v.start is None else {"start": boolean(v.start)})
-        return
+        return {} if v.start is None else {"start": boolean(v.start)}
     real = {"unit": v.unit, "displayUnit": v.display_unit, "min": v.minimum, "max": v.maximum,
             "nominal": v.nominal, "start": v.start}
-    SubElement(element, "Real", {k: x if isinstance(x, str) else number(x) for k, x in real.items() if x is not None})
+    return {k: x if isinstance(x, str) else number(x) for k, x in real.items() if x is not None}
 
 
-def dependencies(trace: Trace) -> tuple[list[list[int]], list[list[int]]]:
-    """For each computed variable: the inputs it depends on directly after a step, and the inputs, then
-    parameters (counted on from the inputs) it depends on at initialisation."""
-    t, x = trace.outputs.sx_in("t"), trace.outputs.sx_in("x")
-    u, p = trace.outputs.sx_in("u"), trace.outputs.sx_in("p")
-    after_step = casadi.Function("y", [u, x, t, p], [trace.outputs(t, x, u, p)])
-    at_start = casadi.Function("y0", [casadi.vertcat(u, p), t], [trace.outputs(t, trace.start(u, p), u, p)])
-
-    def rows(function: casadi.Function) -> list[list[int]]:
-        pattern = function.jac_sparsity(0, 0)
-        found: list[list[int]] = [[] for _ in range(pattern.size1())]
-        for row, column in zip(*pattern.get_triplet()):
-            found[row].append(column)
-        return found
-
-    return rows(after_step), rows(at_start)
+def add_interface(root: Element, kind: str, model: ModuleType, flavour: Flavour, **attributes: str) -> None:
+    """<CoSimulation> or <ModelExchange>, with the sources if there are any."""
+    interface = SubElement(root, kind, {"modelIdentifier": model.NAME, **attributes, **flavour.capabilities})
+    if flavour.sources:
+        files = SubElement(interface, "SourceFiles")
+        for source in flavour.sources:
+            SubElement(files, "File", name=source)
 
 
-def add_structure(root: Element, table: list[Variable], trace: Trace) -> None:
-    """<ModelStructure>, with the dependencies of what is computed."""
+def add_variables(root: Element, table: list[Variable]) -> None:
+    """<ModelVariables>."""
+    parent, position = SubElement(root, "ModelVariables"), {v.name: str(i + 1) for i, v in enumerate(table)}
+    for v in table:
+        rate = {"derivative": position[v.derivative_of]} if v.derivative_of else {}
+        SubElement(SubElement(parent, "ScalarVariable", variable_attributes(v)), v.type, {**value_attributes(v), **rate})
+
+
+def add_log_categories(root: Element) -> None:
+    """<LogCategories>."""
+    categories = SubElement(root, "LogCategories")
+    for name, text in LOG_CATEGORIES.items():
+        SubElement(categories, "Category", name=name, description=text)
+
+
+def add_structure(root: Element, table: list[Variable], known: Dependencies) -> None:
+    """<ModelStructure>, with the dependencies of what is computed on inputs, parameters, and the states whose rates the
+    table has."""
     position = {v.name: i + 1 for i, v in enumerate(table)}
-    inputs, parameters = names(table, "input"), names(table, "parameter")
-    after_step, at_start = dependencies(trace)
+    continuous = {v.derivative_of for v in table}
     structure = SubElement(root, "ModelStructure")
 
-    def add(parent: Element, name: str, known: list[str]) -> None:
-        SubElement(parent, "Unknown", index=str(position[name]),
-                   dependencies=" ".join(str(i) for i in sorted(position[k] for k in known)))
+    def add(kind: str, listed: list[str], needs: dict[str, list[str]]) -> None:
+        parent = SubElement(structure, kind)
+        for name in listed:
+            # FMI 2.0 has no need of a variable for the time.
+            indices = sorted(position[n] for n in needs[name] if n in continuous or
+                             (n in position and table[position[n] - 1].causality in GIVEN))
+            SubElement(parent, "Unknown", index=str(position[name]), dependencies=" ".join(map(str, indices)))
 
-    outputs = SubElement(structure, "Outputs")
-    for name, columns in zip(computed(table), after_step):
-        if table[position[name] - 1].causality == "output":
-            add(outputs, name, [inputs[i] for i in columns])
-    initial = SubElement(structure, "InitialUnknowns")
-    for name, columns in zip(computed(table), at_start):
-        add(initial, name, [(inputs + parameters)[i] for i in columns])
+    add("Outputs", names(table, "output"), known.after_step)
+    if continuous - {None}:
+        add("Derivatives", [v.name for v in table if v.derivative_of], known.after_step)
+    add("InitialUnknowns", [v.name for v in table if v.causality not in GIVEN], known.at_start)
 
 
 def model_description(model: ModuleType, trace: Trace, flavour: Flavour, guid: str, version: str,
@@ -115,26 +134,18 @@ def model_description(model: ModuleType, trace: Trace, flavour: Flavour, guid: s
 
     `tool` names what made the FMU, with versions.
     """
-    table = variables(model.VARIABLES)
-    root = Element("fmiModelDescription", fmiVersion="2.0", modelName=model.NAME, guid=guid,
-                   description=model.DESCRIPTION, version=version, author=AUTHOR, copyright=COPYRIGHT,
-                   license=LICENSE, generationTool=tool,
-                   variableNamingConvention="flat")
-    interface = SubElement(root, "CoSimulation", modelIdentifier=model.NAME,
-                           canHandleVariableCommunicationStepSize="true", attrib=flavour.capabilities)
-    if flavour.sources:
-        files = SubElement(interface, "SourceFiles")
-        for source in flavour.sources:
-            SubElement(files, "File", name=source)
+    exchange = bool(trace.derivative and flavour.exchanges)
+    table = all_variables(model)[:-1] if exchange else variables(model.VARIABLES)
+    root = head(model, version, tool, "2.0", guid=guid)
+    if exchange:
+        add_interface(root, "ModelExchange", model, flavour,
+                      completedIntegratorStepNotNeeded=boolean(not any(v.discrete for v in table)))
+    add_interface(root, "CoSimulation", model, flavour, canHandleVariableCommunicationStepSize="true")
     add_units(root, table)
-    categories = SubElement(root, "LogCategories")
-    for name, text in LOG_CATEGORIES.items():
-        SubElement(categories, "Category", name=name, description=text)
-    SubElement(root, "DefaultExperiment", startTime="0", stopTime="100", stepSize="0.01")
-    parent = SubElement(root, "ModelVariables")
-    for v in table:
-        add_variable(parent, v)
-    add_structure(root, table, trace)
+    add_log_categories(root)
+    SubElement(root, "DefaultExperiment", EXPERIMENT)
+    add_variables(root, table)
+    add_structure(root, table, dependencies(model, trace))
     return xml_bytes(root)
 
 

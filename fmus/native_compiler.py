@@ -5,13 +5,15 @@ import struct
 import subprocess
 import sys
 import tempfile
+from concurrent.futures import ThreadPoolExecutor
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from .pack import digest
+from .places import written
 
-CACHE = Path(__file__).parent / "dist" / ".cache"
-ZIG_CACHE = Path(__file__).parent / "dist" / ".zig-cache"
+CACHE = written() / ".cache"
+ZIG_CACHE = written() / ".zig-cache"
 WINDOWS = Path(__file__).parent / "wrapper" / "windows"
 LINUX = "x86_64-linux-gnu.2.17"  # of 2012: any Linux in use has at least this C library
 
@@ -80,6 +82,12 @@ def universal(*libraries: bytes) -> bytes:
         at = page + len(body)
     head = struct.pack(">II", 0xcafebabe, len(libraries)) + table
     return head + bytes(page - len(head)) + body
+
+
+def libraries(wanted: list[tuple[str, str]], sources: dict[str, bytes]) -> list[bytes]:
+    """`library` for each (name, target), compiled on all cores. Raises RuntimeError as `library` does."""
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        return list(pool.map(lambda each: library(*each, sources), wanted))
 
 
 def library(name: str, target: str, sources: dict[str, bytes]) -> bytes:
