@@ -5,12 +5,12 @@ from types import SimpleNamespace
 import casadi
 import numpy as np
 from evidence import fly
+from exact_linear import NoTrim, linear_loop, linear_vehicle
 
 from ahv_ctrl_fmu import backstepping_model, neural, neural_model
 from ahv_plant_fmu import model as plant
 from fmus import symbols
 from fmus.interface import internal_steps, names, variables
-from fmus.linearize import NoTrim, linear_loop, linear_vehicle
 from fmus.trace import symbol_namespace, trace_model
 
 SPEEDS, ALTITUDES = np.linspace(7500, 9500, 9), np.linspace(80000, 100000, 9)  # ft/s, ft

@@ -3,6 +3,7 @@ from math import degrees
 from typing import Any
 
 from ..errors import UsageError
+from ..master.notes import note
 from . import scenarios
 from .closed_loop import LINKS, Values, closed_loop, merged
 from .registry import PLANTS
@@ -43,9 +44,13 @@ def linearize(controller: str = "neural", preset: str | None = None, plant: str 
     found = linearize_files(loop.system, ACTUATORS, [s for s in SENSORS if s in there], step,
                             commands=[c for c in COMMANDS if c in there])
     rest = found["equilibrium"]
+    if found["settled_at_s"] is None:
+        note("The flight does not come to rest. The figures are of the FMUs' equations about their equilibrium, solved "
+             "exactly: in its own steps a controller may differ.")
     return {"controller": loop.controller, "preset": loop.preset, "plant": loop.plant, "V_fps": V, "h_ft": h,
             "scale": dict.fromkeys(GROUPS, scale), "settled_at_s": found["settled_at_s"],
-            "fuel_ratio": rest["controller.fuel_ratio"], "elevator_deg": degrees(rest["controller.elevator"]),
+            "solved": found["solved"], "fuel_ratio": rest["controller.fuel_ratio"],
+            "elevator_deg": degrees(rest["controller.elevator"]),
             **({"theta_deg": degrees(rest["plant.theta"])} if "plant.theta" in rest else {}),
             **({"altitude_offset_ft": rest["plant.h"] - h} if "plant.h" in rest else {}),
             **{key: found[key] for key in PARTS[of]}}
