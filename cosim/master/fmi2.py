@@ -32,18 +32,21 @@ LAST_SUCCESSFUL_TIME, TERMINATED = 2, 3  # fmi2StatusKind
 MODEL_EXCHANGE, CO_SIMULATION = 0, 1     # fmi2Type
 
 
-def make_callbacks() -> fmi2CallbackFunctions:
-    """The callbacks that all instances are given."""
-    callbacks = fmi2CallbackFunctions()
-    callbacks.logger = fmi2CallbackLoggerTYPE(log)
-    callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(fmpy.calloc)
-    callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(fmpy.free)
-    callbacks.stepFinished = fmi2StepFinishedTYPE()
-    addLoggerProxy(ctypes.byref(callbacks))  # formats printf-style messages; there is one per process
-    return callbacks
+CALLBACKS = fmi2CallbackFunctions()  # what all instances are given
+CALLBACKS.allocateMemory = fmi2CallbackAllocateMemoryTYPE(fmpy.calloc)
+CALLBACKS.freeMemory = fmi2CallbackFreeMemoryTYPE(fmpy.free)
+CALLBACKS.stepFinished = fmi2StepFinishedTYPE()
+LOGGER = fmi2CallbackLoggerTYPE(log)
 
 
-CALLBACKS = make_callbacks()
+def take_messages() -> None:
+    """Have the messages of all instances, formatted by FMPy's proxy. There is one in a process: who lets FMPy simulate,
+    which takes it for a logger that goes with that simulation, calls this afterwards."""
+    CALLBACKS.logger = LOGGER
+    addLoggerProxy(ctypes.byref(CALLBACKS))
+
+
+take_messages()
 
 
 def instantiate(instance: "Instance") -> int | None:

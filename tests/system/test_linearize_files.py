@@ -122,10 +122,10 @@ def test_pulses_alone_tell_nearly_the_same(native_fmus, monkeypatch):
     """As for files without model exchange."""
     monkeypatch.setattr(report, "equations_at", lambda *_: None)
     found, expected = files("neural"), exact("neural", "calibrated")
-    agree(numbers(found["open_loop"]["poles"]), expected["open_loop"], 1e-4)
+    agree(numbers(found["open_loop"]["poles"]), expected["open_loop"], 1e-5, 1e-5)
     for place, margins in expected["margins"].items():
         for key, value in margins.items():
-            assert found["margins"][place][key] == (value if value is None else pytest.approx(value, rel=1e-4))
+            assert found["margins"][place][key] == (value if value is None else pytest.approx(value, rel=1e-5))
 
 
 def test_lag_and_delay_of_an_actuator_are_seen(native_fmus):
