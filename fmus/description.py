@@ -1,4 +1,5 @@
 """Writes modelDescription.xml of FMI 2.0 and the presets' parameter sets (SSV) from a model's table."""
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import ModuleType
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
@@ -7,7 +8,7 @@ from .dependencies import Dependencies, dependencies
 from .interface import GIVEN, Variable, names, variables
 from .references import all_variables
 from .trace import Trace
-from .units import DEGREES, si_base
+from .units import DEGREES, Worth, si_base
 
 AUTHOR = "the AHV FMU authors"
 COPYRIGHT = f"Copyright 2026 {AUTHOR}"
@@ -50,12 +51,12 @@ def head(model: ModuleType, version: str, tool: str, fmi: str, **token: str) -> 
                    license=LICENSE, generationTool=tool, variableNamingConvention="flat")
 
 
-def add_units(root: Element, table: list[Variable]) -> None:
-    """<UnitDefinitions>: the units of the table in SI base units, and what they are shown in."""
+def add_units(root: Element, table: list[Variable], own: Mapping[str, Worth]) -> None:
+    """<UnitDefinitions>: the units of the table in SI base units, and what they are shown in; `own` are the model's."""
     definitions = SubElement(root, "UnitDefinitions")
     for unit in sorted({v.unit for v in table} - {""}):
         element = SubElement(definitions, "Unit", name=unit)
-        factor, exponents = si_base(unit)
+        factor, exponents = si_base(unit, own)
         base = {name: str(exponent) for name, exponent in exponents.items()}
         if factor != 1.0:
             base["factor"] = number(factor)
@@ -97,7 +98,8 @@ def add_variables(root: Element, table: list[Variable]) -> None:
     parent, position = SubElement(root, "ModelVariables"), {v.name: str(i + 1) for i, v in enumerate(table)}
     for v in table:
         rate = {"derivative": position[v.derivative_of]} if v.derivative_of else {}
-        SubElement(SubElement(parent, "ScalarVariable", variable_attributes(v)), v.type, {**value_attributes(v), **rate})
+        element = SubElement(parent, "ScalarVariable", variable_attributes(v))
+        SubElement(element, v.type, {**value_attributes(v), **rate})
 
 
 def add_log_categories(root: Element) -> None:
@@ -141,7 +143,7 @@ def model_description(model: ModuleType, trace: Trace, flavour: Flavour, guid: s
         add_interface(root, "ModelExchange", model, flavour,
                       completedIntegratorStepNotNeeded=boolean(not any(v.discrete for v in table)))
     add_interface(root, "CoSimulation", model, flavour, canHandleVariableCommunicationStepSize="true")
-    add_units(root, table)
+    add_units(root, table, getattr(model, "UNITS", {}))
     add_log_categories(root)
     SubElement(root, "DefaultExperiment", EXPERIMENT)
     add_variables(root, table)

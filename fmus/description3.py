@@ -44,7 +44,7 @@ def model_description(model: ModuleType, trace: Trace, flavour: Flavour, token: 
         SubElement(root, "ModelExchange", identity,
                    needsCompletedIntegratorStep=boolean(any(v.discrete for v in everything)))
     SubElement(root, "CoSimulation", {**identity, **CO_SIMULATION, **sample_time(model)})
-    add_units(root, everything)
+    add_units(root, everything, getattr(model, "UNITS", {}))
     add_log_categories(root)
     SubElement(root, "DefaultExperiment", EXPERIMENT)
     place = {v.name: str(v.value_reference) for v in everything}

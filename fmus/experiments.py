@@ -1,14 +1,15 @@
 """FMI-LS-REF: parameter sets, experiments and their results that travel in an FMU, of FMI 2.0 or 3.0.
 
-A model may have a folder experiments/NAME/ beside its file, NAME being the model's. Its files travel in the FMU, and the
-manifest says what each is, by the end of its name. Experiments are files of MA-HS-Experiments; inputs and results are
-tables as CSV, whose columns have the variables' names.
+A model may have a folder experiments/NAME/ beside its file, NAME being the model's. Its files travel in the FMU, and
+the manifest says what each is, by the end of its name. Experiments are files of MA-HS-Experiments; inputs and results
+are tables as CSV, whose columns have the variables' names.
 """
 from html import escape
 from pathlib import Path
 from types import ModuleType
 from xml.etree.ElementTree import Element, SubElement, fromstring
 
+from .check_model import ModelError
 from .description import xml_bytes
 
 STANDARD, VERSION = "org.fmi-standard.fmi-ls-ref", "1.0.0-beta.1"
@@ -28,18 +29,20 @@ KINDS = {
 
 
 def carried(model: ModuleType) -> dict[str, bytes]:
-    """The files in the model's folder of experiments: name -> content. Raises ValueError for one of no kind of KINDS."""
+    """The files in the model's folder of experiments: name -> content. Raises ModelError for one of no kind of
+    KINDS."""
     folder = Path(str(model.__file__)).parent / "experiments" / model.NAME
     found = {path.name: path.read_bytes() for path in sorted(folder.glob("*"))} if model.__file__ else {}
     for name in found:
         if not name.endswith(tuple(KINDS)):
-            raise ValueError(f"{folder / name} is no file of experiments: its name ends with none of {', '.join(KINDS)}.")
+            raise ModelError(model, f"{name} in {folder} is no file of experiments, which end in {' or '.join(KINDS)}")
     return found
 
 
 def related(model: ModuleType) -> list[tuple[str, str, str, str]]:
     """(type, place from the manifest, role, description) of every file that belongs to the model."""
-    rows = [(PARAMETERS, f"../../resources/presets/{name}.ssv", "parameter", f"preset {name}") for name in model.PRESETS]
+    rows = [(PARAMETERS, f"../../resources/presets/{name}.ssv", "parameter", f"preset {name}")
+            for name in model.PRESETS]
     for name, content in carried(model).items():
         kind, role, about = next(KINDS[end] for end in KINDS if name.endswith(end))
         rows.append((kind, name, role, about or fromstring(content).get("description", "")))
@@ -67,8 +70,9 @@ def page(model: ModuleType) -> bytes:
 <table><tr><th>file</th><th>role</th><th>what it is</th></tr>
 {rows}
 </table>
-<p>To run an experiment: set the parameters of its parameter set, if it names one, and the inputs of the first row; initialise
-at the start time; then take steps of the step size, each with the inputs of the row at its start, held. The outputs after
-the step that ends at a row's time agree with the result within the tolerance, as a part of each variable's nominal value.</p>
+<p>To run an experiment: set the parameters of its parameter set and the inputs of the first row; initialise at the
+start time; then take steps of the step size, each with the inputs of the row at its start, held. The outputs after the
+step that ends at a row's time agree with the result within the tolerance, as a part of each variable's nominal
+value.</p>
 </body></html>
 """.encode()

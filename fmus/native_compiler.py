@@ -87,7 +87,7 @@ def universal(*libraries: bytes) -> bytes:
 def libraries(wanted: list[tuple[str, str]], sources: dict[str, bytes]) -> list[bytes]:
     """`library` for each (name, target), compiled on all cores. Raises RuntimeError as `library` does."""
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        return list(pool.map(lambda each: library(*each, sources), wanted))
+        return list(pool.map(lambda each: library(each[0], each[1], sources), wanted))
 
 
 def library(name: str, target: str, sources: dict[str, bytes]) -> bytes:

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import settings
 
 from cosim.vehicle.registry import MODELS
-from fmus.build import build
+from fmus.builder import build
 
 # No deadline: a busy machine is no failure. In CI the same examples every time; elsewhere new ones are tried.
 settings.register_profile("here", deadline=None)
@@ -48,5 +48,5 @@ def native_fmus() -> dict[str, Path]:
 
 @pytest.fixture(scope="session")
 def native_fmi3_fmus() -> dict[str, Path]:
-    """The native flavour's files for FMI 3.0, by model name."""
+    """The native flavour's files of FMI 3.0, by model name."""
     return {name: build(module, "native", fmi="3") for name, module in MODELS.items()}

@@ -41,7 +41,7 @@ ROOT = Path(__file__).parents[2]
 RESULTS = ROOT / "results" / "mutants.jsonl"
 JUDGED = Path(__file__).with_name("judged.yaml")
 LIBRARIES = ("pytest", "casadi", "fmpy.fmi2", "lxml.etree", "pythonfmu", "pyarrow.parquet", "pydantic", "scipy.stats",
-             "scipy.signal", "hypothesis.strategies", "matplotlib.figure", "typer", "rich.console", "numba",
+             "scipy.signal", "hypothesis.strategies", "matplotlib.figure", "typer", "rich.console",
              "distributed")
 PYTEST = ["-x", "-q", "--no-header", "--tb=line", "-p", "no:cacheprovider", "-m", "not slow and not peers"]
 PDEATHSIG = 1
@@ -148,7 +148,7 @@ class Copy:
 
     def narrow(self, room: str, stage: str) -> None:
         """Build no FMUs but those that the stage needs, and as cheaply as it allows; small.c once only."""
-        building, flavour = import_module("fmus.build"), import_module("fmus.native_flavour")
+        building, flavour = import_module("fmus.builder"), import_module("fmus.native_flavour")
         assert str(building.__file__).startswith(str(self.root)), "the tests would not try the copy"
         every, small = stage.startswith("platforms "), import_module("small")
         compiled = small.library
