@@ -48,7 +48,7 @@ def linearize(system: System, actuators: Sequence[str], sensors: Sequence[str], 
     Returns a dictionary. In it a signal is called by its variable's name, or by `component.variable` if two of the
     signals given have the same variable name.
         settled_at_s   when the loop was found at rest, s; None where only Newton's method found its equilibrium
-        solved         "as flown"; "exactly" if equations alone tell, whose solution in a component's own steps may differ
+        solved         "as flown"; "exactly" if equations alone tell, which a component's own steps may solve otherwise
         equilibrium    values of the connected signals at rest, by component.variable, in the FMUs' units
         open_loop      from the actuators to all outputs of the components that they drive, as far as the sensors:
                        states, inputs, outputs, step_s, A, B, C, D (continuous with step_s 0; sampled if no continuous
@@ -89,7 +89,8 @@ def linearize(system: System, actuators: Sequence[str], sensors: Sequence[str], 
             for signal in actuators:
                 check_limits(rest, signal, links)
             parts, smooth = flown(rest, links, actuators, order, horizon)
-    return {"settled_at_s": rest.ticks * step if rest.ticks else None, "solved": "as flown" if rest.ticks else "exactly",
+    return {"settled_at_s": rest.ticks * step if rest.ticks else None,
+            "solved": "as flown" if rest.ticks else "exactly",
             "equilibrium": {k.source: rest.values[k.source] for k in links},
             **described(parts, smooth, links, actuators, sensors, commands)}
 

@@ -1,11 +1,11 @@
-"""One FMU linearised alone, through its model-exchange interface: where it starts, after a while, and at given values."""
+"""One FMU linearised alone, through model exchange: where it starts, after a while, and at given values."""
 import json
 import zipfile
 from pathlib import Path
 
 import numpy as np
 import pytest
-from exact_linear import linear_vehicle
+from exact_linear import linear_vehicle, nominal_trim, values_of
 from test_cases import ahv
 
 import cosim
@@ -38,15 +38,8 @@ def without_derivatives(native_fmus, tmp_path_factory) -> Path:
 
 def trimmed() -> list[str]:
     """Words for level flight at 7700 ft/s, 85000 ft."""
-    found = cosim_trim()
-    return [*LEVEL, f"fuel_ratio={found[0]!r}", f"elevator={found[1]!r}"]
-
-
-def cosim_trim() -> tuple[float, float]:
-    from exact_linear import nominal_trim, values_of
-
     trim = nominal_trim(plant, 7700.0, 85000.0, values_of(plant, {}))[1]
-    return float(trim.fuel_ratio), float(trim.elevator)
+    return [*LEVEL, f"fuel_ratio={float(trim.fuel_ratio)!r}", f"elevator={float(trim.elevator)!r}"]
 
 
 def test_the_vehicle_at_its_trim_has_the_matrices_of_its_equations(vehicle):
@@ -100,7 +93,7 @@ def test_what_cannot_be_linearised_alone_is_said_in_one_sentence(native_fmus, py
             (["gamma=steep"], 0, "gamma"), (["gamma=nan"], 0, "it must be a number"), ([], -1, "--time -1")):
         with pytest.raises(UsageError, match=sentence):
             linearize_fmu(fmu, words, time)
-    with pytest.raises(UsageError, match="is FMI 2.0 without model exchange; model-exchange FMUs of FMI 2.0 and 3.0"):
+    with pytest.raises(UsageError, match=r"is FMI 2\.0 without model exchange; model-exchange FMUs of FMI 2\.0 and 3\.0"):
         linearize_fmu(python)
     with pytest.raises(RunError, match="cannot be flown to t = 100 s"):
         linearize_fmu(fmu, [*LEVEL, "elevator=0.3"], 100.0)
