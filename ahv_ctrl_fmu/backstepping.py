@@ -114,8 +114,8 @@ def start(m, u, p):
         gamma_td=[gamma_d, 0.0], theta_td=[theta_d, 0.0], Q_td=[Q_d, 0.0], elevator_trim=elevator))
 
 
-def derivative(m, x, u, p):
-    """dx/dt of the law in continuous time: what `advance` steps, and what linearisation needs."""
+def derivative(m, t, x, u, p):
+    """dx/dt of the law in continuous time, which `advance` steps: of all states but the last, a memory."""
     s = unpack(x)
     now = law(m, s, u, p)
 
@@ -132,7 +132,7 @@ def derivative(m, x, u, p):
         gamma_td=filter_rate(s.gamma_td, now.gamma_d, p.R_gamma, CRITICAL),
         theta_td=filter_rate(s.theta_td, now.theta_d, p.R_theta, CRITICAL),
         Q_td=filter_rate(s.Q_td, now.Q_d, p.R_Q, CRITICAL),
-        elevator_trim=0.0))
+        elevator_trim=0.0))[:-1]
 
 
 def prepare(m, p, h):

@@ -1,6 +1,7 @@
 """The backstepping rival as a component: its table of variables and its presets."""
-from .backstepping import advance, outputs, prepare, start  # noqa: F401  (the component's functions)
+from .backstepping import advance, derivative, outputs, prepare, start  # noqa: F401  (the component's functions)
 from .ports import PARAMETERS, PORTS, SMALL
+from .ports import TERMINALS as TERMINALS
 
 NAME = "AhvBackstepping"
 DESCRIPTION = "Backstepping controller with tracking differentiators and disturbance observers, a reconstruction"
@@ -44,4 +45,18 @@ VARIABLES = [
         ("R_Q", "1/s", SMALL, 1000.0, "bandwidth of the tracking differentiator on Q_d"),
     )),
     *PARAMETERS,
+]
+
+STATES = [
+    "V_reference",
+    ("V_reference_rate", "local", "ft/s^2", None, None, None, 1.0, "rate of the filtered velocity command"),
+    "h_reference",
+    ("h_reference_rate", "local", "ft/s", None, None, None, 10.0, "rate of the filtered altitude command"),
+    ("V_integral", "local", "ft", None, None, None, 1.0, "integral of the velocity error"),
+    ("V_observer", "local", "ft/s^2", None, None, None, 1000.0, "state of the velocity's disturbance observer"),
+    ("gamma_observer", "local", "rad/s", None, None, None, 0.01, "state of the path angle's disturbance observer"),
+    ("Q_observer", "local", "rad/s^2", None, None, None, 0.01, "state of the pitch rate's disturbance observer"),
+    *((f"{name}_followed{suffix}", "local", unit, None, None, None, 0.01, f"{what} the differentiator on {name}_d")
+      for name, units in (("gamma", ("rad", "rad/s")), ("theta", ("rad", "rad/s")), ("Q", ("rad/s", "rad/s^2")))
+      for suffix, what, unit in zip(("", "_rate"), ("output of", "rate of"), units)),
 ]

@@ -148,8 +148,8 @@ def settled(m, u, p, wanted, other, phi_2=None):
     return E, phi
 
 
-def derivative(m, x, u, p):
-    """dx/dt of the law in continuous time: what `advance` steps, and what linearisation needs."""
+def derivative(m, t, x, u, p):
+    """dx/dt of the law in continuous time, which `advance` steps: of all states but the last, a memory."""
     s = unpack(x)
     a = (p.a1, p.a2, p.a3, p.a4)
     velocity, altitude = velocity_law(m, s, u, p), altitude_law(m, s, u, p)
@@ -163,7 +163,7 @@ def derivative(m, x, u, p):
         e_integral=m.where(altitude.saturated, 0.0, altitude.e0),
         phi_2=altitude.growth - 2 * s.phi_2,
         elevator=filter_rate(s.elevator, altitude.wanted, filter_omega(m, p), p.elevator_damping),
-        theta_trim=0.0))
+        theta_trim=0.0))[:-1]
 
 
 def prepare(m, p, h):

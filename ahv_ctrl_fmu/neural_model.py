@@ -1,6 +1,7 @@
 """The neural controller as a component: its table of variables and its presets."""
-from .neural import advance, outputs, prepare, start  # noqa: F401  (the component's functions)
+from .neural import advance, derivative, outputs, prepare, start  # noqa: F401  (the component's functions)
 from .ports import DEG, PARAMETERS, PORTS, SMALL
+from .ports import TERMINALS as TERMINALS
 
 NAME = "AhvController"
 DESCRIPTION = "Adaptive neural controller of a flexible air-breathing hypersonic vehicle, equations (17)-(67)"
@@ -103,4 +104,20 @@ VARIABLES = [
       for key, low, text in (("min", None, "first centre"), ("max", None, "last centre"), ("width", SMALL, "width"))),
     ("elevator_damping", "parameter", "1", 0.7, 0.0, 10.0, None, "damping ratio of the structural filter"),
     *PARAMETERS,
+]
+
+STATES = [
+    "V_reference",
+    ("V_reference_rate", "local", "ft/s^2", None, None, None, 1.0, "rate of the filtered velocity command"),
+    "h_reference",
+    ("h_reference_rate", "local", "ft/s", None, None, None, 10.0, "rate of the filtered altitude command"),
+    ("V_integral", "local", "ft", None, None, None, 1.0, "integral of the velocity error (19)"),
+    "phi_hat_1",
+    *((f"{name}_{i}", "local", unit, None, None, None, 0.01, f"state {i} of the differentiator on {signal} (13)")
+      for name, signal in (("chi", "the tracked angle"), ("chi_d", "gamma_d"))
+      for i, unit in enumerate(("rad", "rad/s", "rad/s^2", "rad/s^3"), 1)),
+    ("e_integral", "local", "rad.s", None, None, None, 0.01, "integral of e0 (43)"),
+    "phi_hat_2",
+    ("elevator_filter", "local", "rad", None, None, None, 0.1, "elevator after the structural filter"),
+    ("elevator_filter_rate", "local", "rad/s", None, None, None, 0.1, "its rate"),
 ]

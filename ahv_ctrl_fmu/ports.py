@@ -31,6 +31,13 @@ PORTS = [
     ("elevator_saturated", "output", "1 discrete", None, 0.0, 1.0, 1.0, "1 with the elevator at a limit, else 0"),
 ]
 
+# What belongs together on a connection: the terminals of FMI 3.0.
+TERMINALS = {
+    "measurements": ("V", "h", "gamma", "theta", "Q"),
+    "commands": ("V_command", "h_command"),
+    "actuators": ("fuel_ratio", "elevator"),
+}
+
 # Parameters of every law; `theta_trim` and `internal_step` are for those that need them.
 SHARED = [
     ("fuel_ratio_min", "parameter", "1", 0.05, None, None, None, "lower limit of the fuel ratio"),

@@ -1,5 +1,6 @@
 """The law that keeps the vehicle as a component: its table of variables and its presets."""
 from .ports import DEG, PORTS, SHARED, SMALL
+from .ports import TERMINALS as TERMINALS
 from .resilient import SECTIONS, advance, outputs, prepare, start  # noqa: F401  (the last four: the component)
 
 NAME = "AhvResilient"

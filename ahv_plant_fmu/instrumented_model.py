@@ -45,6 +45,8 @@ VARIABLES = [
     ("noise_seed", "parameter", "1", 1.0, 1.0, LARGEST_SEED, None, "which noise, a whole number"),
 ]
 
+TERMINALS = plant.TERMINALS
+
 OFF = {name: start for name, causality, _, start, *_ in VARIABLES[len(plant.VARIABLES):] if causality == "parameter"}
 AS_BUILT = {  # a plausible set, no datum: the literature's 20 rad/s, the rest assumed
     **OFF, "fuel_ratio_bandwidth": 20.0, "elevator_bandwidth": 20.0, "elevator_rate_limit": 100 * pi / 180,
@@ -113,7 +115,8 @@ def advance(m, t, h, x, u, p, c):
         actuators.append(later)
         lines.append(shifted(line, command))
     held = SimpleNamespace(**{**vars(u), "fuel_ratio": used[0], "elevator": used[1]})
-    vehicle = plant.advance(m, t, h, s.vehicle, held, p, c)
+    states = m.integrate(lambda t, x: plant.derivative(m, t, x, held, p), t, s.vehicle[:9], h, plant.ORDER)
+    vehicle = [*states, *s.vehicle[9:]]
     lines += [shifted(line, now) for line, now in zip(s.lines[2:], vehicle[:5])]
     return [*vehicle, *actuators, *(value for line in lines for value in line)]
 

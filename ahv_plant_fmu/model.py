@@ -1,4 +1,4 @@
-"""The plant as a component: its table of variables, its start, its step, its outputs.
+"""The plant as a component: its table of variables, its start, its derivative, its outputs.
 
 A model's functions are pure; `m` is the mathematics backend, `u` and `p` have the inputs and the
 parameters of the table as attributes. See `fmus.interface` for the contract.
@@ -6,7 +6,8 @@ parameters of the table as attributes. See `fmus.interface` for the contract.
 from math import pi
 from types import SimpleNamespace
 
-from .equations import derivative, forces
+from .equations import derivative as vehicle_rate
+from .equations import forces
 from .trim import level_trim
 from .vehicle import COEFFICIENTS, STRUCTURES
 
@@ -65,20 +66,16 @@ VARIABLES = [
 
 PRESETS = STRUCTURES
 
-SHOWN_STATES = ("V", "h", "gamma", "theta", "Q", "eta1", "eta1_dot", "eta2", "eta2_dot")
-MEMORY = ("fuel_ratio_trim", "elevator_trim", "theta_trim", "trim_residual")
+# What belongs together on a connection: the terminals of FMI 3.0.
+TERMINALS = {
+    "actuators": ("fuel_ratio", "elevator"),
+    "measurements": ("V", "h", "gamma", "theta", "Q"),
+    "coefficients": ("scale_thrust", "scale_lift", "scale_drag", "scale_moment", "scale_forces"),
+}
 
-# Butcher's explicit method of order six in seven stages (J. Austral. Math. Soc. 4, 1964).
-STAGES = (
-    (),
-    (1 / 3,),
-    (0, 2 / 3),
-    (1 / 12, 1 / 3, -1 / 12),
-    (-1 / 16, 9 / 8, -3 / 16, -3 / 8),
-    (0, 9 / 8, -3 / 8, -3 / 4, 1 / 2),
-    (9 / 44, -9 / 11, 63 / 44, 18 / 11, 0, -16 / 11),
-)
-WEIGHTS = (11 / 120, 0, 27 / 40, 27 / 40, -4 / 15, -4 / 15, 11 / 120)
+STATES = ["V", "h", "gamma", "theta", "Q", "eta1", "eta1_dot", "eta2", "eta2_dot"]
+ORDER = 6
+MEMORY = ("fuel_ratio_trim", "elevator_trim", "theta_trim", "trim_residual")
 
 
 def scales(u):
@@ -100,23 +97,9 @@ def start(m, u, p):
             trim.fuel_ratio, trim.elevator, trim.theta, trim.residual]
 
 
-def advance(m, t, h, x, u, p, c):
-    """One Runge-Kutta step of h seconds, order six, with the inputs held."""
-    scale = scales(u)
-    states, memory = x[:9], x[9:]
-    slopes: list = []
-    for weights in STAGES:
-        slopes.append(derivative(m, moved(states, h, weights, slopes), u.fuel_ratio, u.elevator, scale, p))
-    return moved(states, h, WEIGHTS, slopes) + memory
-
-
-def moved(x, h, weights, slopes):
-    """x + h sum(weight * slope), leaving out the slopes of no weight."""
-    for weight, slope in zip(weights, slopes):
-        if weight:
-            factor = h * weight
-            x = [a + factor * k for a, k in zip(x, slope)]
-    return x
+def derivative(m, t, x, u, p):
+    """dx/dt of the nine states, per second."""
+    return vehicle_rate(m, x[:9], u.fuel_ratio, u.elevator, scales(u), p)
 
 
 def outputs(m, t, x, u, p):
@@ -125,7 +108,7 @@ def outputs(m, t, x, u, p):
     alpha = x[3] - x[2]
     q, T, L, D, M, _, _ = forces(m, states, u.fuel_ratio, u.elevator, scales(u), p)
     return {
-        **dict(zip(SHOWN_STATES, states)),
+        **dict(zip(STATES, states)),
         "alpha": alpha,
         "dynamic_pressure": q,
         "thrust": T,

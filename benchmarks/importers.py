@@ -86,12 +86,12 @@ class Files:
         from cosim.ssp.write import write
         from cosim.vehicle import scenarios
         from cosim.vehicle.closed_loop import closed_loop
-        from fmus.build import DIST
+        from fmus.places import found
 
         plan = scenarios.load("case1")
         self.folder, self.loop = folder, closed_loop(plan, flavour="native").system
         self.places = {LOOP: folder / "case1.ssp", ONE: folder / "Loop.fmu", SSP: folder / "case1.ssp",
-                       CONTROLLER: Path(DIST) / "native" / "AhvController.fmu"}
+                       CONTROLLER: found("native", "AhvController")}
         write(self.places[LOOP], plan.name, self.loop, STEP, plan.stop)
         write_container(self.places[ONE], plan.name, self.loop, STEP, plan.stop)
         start = cosim.fly(self.loop, STEP, STEP, progress=False)

@@ -16,9 +16,9 @@ import fmpy
 from fmpy.fmi2 import FMU2Slave
 
 from cosim.vehicle.registry import MODELS
-from fmus.build import DIST
 from fmus.interface import internal_steps, variables
 from fmus.native_compiler import COMPILE, cc
+from fmus.places import found
 from fmus.trace import trace_model
 
 HERE = Path(__file__).parent
@@ -47,7 +47,7 @@ def write_kernel(model, guid: str, folder: Path) -> None:
 
 def native(name: str, folder: Path) -> tuple[float, float]:
     """(FMU, bare functions), microseconds."""
-    fmpy.extract(str(DIST / "native" / f"{name}.fmu"), str(folder))
+    fmpy.extract(str(found("native", name)), str(folder))
     write_kernel(import_module(MODELS[name]), fmpy.read_model_description(str(folder)).guid, folder)
     program = folder / "native_step"
     cc(*COMPILE, f"-I{folder}", *(f"-I{path}" for path in INCLUDE), "-o", program,
@@ -60,7 +60,7 @@ def native(name: str, folder: Path) -> tuple[float, float]:
 
 def python(name: str, folder: Path, steps: int = 100) -> float:
     """One step of the Python flavour called through fmpy, microseconds."""
-    fmpy.extract(str(DIST / "python" / f"{name}.fmu"), str(folder))
+    fmpy.extract(str(found("python", name)), str(folder))
     slave = FMU2Slave(guid=fmpy.read_model_description(str(folder)).guid, unzipDirectory=str(folder),
                       modelIdentifier=name, instanceName="timed")
     slave.instantiate()

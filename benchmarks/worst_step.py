@@ -18,8 +18,8 @@ import fmpy
 import numpy as np
 from native_step import HERE, INCLUDE, STEP
 
-from fmus.build import DIST
 from fmus.native_compiler import COMPILE, cc
+from fmus.places import found
 
 PASSES = 3
 LAWS = ("AhvController", "AhvResilient", "AhvBackstepping")
@@ -36,7 +36,7 @@ def measure(name: str, steps: int) -> dict[str, float]:
     """Microseconds and allocations of `steps` communication steps of the native FMU called `name`."""
     with tempfile.TemporaryDirectory() as there:
         folder = Path(there)
-        fmpy.extract(str(DIST / "native" / f"{name}.fmu"), there)
+        fmpy.extract(str(found("native", name)), there)
         description = fmpy.read_model_description(there)
         of = {v.name: v for v in description.modelVariables}
         (folder / "step.h").write_text("\n".join([

@@ -1,24 +1,32 @@
-"""Builds the FMU file of a model, in one flavour."""
+"""Builds the FMU file of a model, in one flavour and for one version of FMI."""
 from importlib import import_module
 from importlib.metadata import distribution, version
 from pathlib import Path
 from types import ModuleType
 
-from . import documentation, native_flavour, pack, python_flavour
+from . import description, description3, documentation, native_flavour, pack, places, python_flavour
 from .check_model import checked_trace
-from .description import model_description, parameter_set
-
-DIST = Path(__file__).parent / "dist"
 
 FLAVOURS = {"python": python_flavour, "native": native_flavour}
+DESCRIBE = {"2": description.model_description, "3": description3.model_description}  # FMI version -> its description
 
 
-def build(model: ModuleType | str, flavour: str, dist: Path = DIST, arm: bool = False) -> Path:
-    """Write `dist`/`flavour`/NAME.fmu and return its path. The same sources give the same
-    bytes with the same versions of what makes the FMU, which `generationTool` names.
+def versions(flavour: str) -> list[str]:
+    """The FMI versions that a flavour is built for."""
+    return [fmi for fmi in DESCRIBE if fmi in FLAVOURS[flavour].FLAVOUR.versions]
 
-    `model` is a module as `fmus.interface` describes it, or its dotted name; `flavour` is one of FLAVOURS. `arm` adds
-    binaries for Arm processors where the flavour has them.
+
+def folder(flavour: str, fmi: str = "2") -> str:
+    """The name of the folder of a flavour's FMUs, for FMI 2.0 that of the flavour."""
+    return flavour if fmi == "2" else f"{flavour}-fmi{fmi}"
+
+
+def build(model: ModuleType | str, flavour: str, dist: Path | None = None, fmi: str = "2") -> Path:
+    """Write `dist`/FOLDER/NAME.fmu, an FMU of FMI `fmi` (one of `versions`), and return its path. The same sources give
+    the same bytes with the same versions of what makes the FMU, which `generationTool` names.
+
+    `model` is a module as `fmus.interface` describes it, or its dotted name; `flavour` is one of FLAVOURS; without
+    `dist` it is the folder that `places.written` names.
 
     Raises ModelError (`fmus.check_model`) for a mistake in the model, and RuntimeError where the C compiler is missing
     or fails.
@@ -27,24 +35,30 @@ def build(model: ModuleType | str, flavour: str, dist: Path = DIST, arm: bool = 
         model = import_module(model)
     maker = FLAVOURS[flavour]
     trace = checked_trace(model)
-    files = maker.files(model, trace)
-    files["documentation/index.html"] = documentation.page(model, trace)
-    files["documentation/licenses/license.txt"] = licence()
-    files["model.png"] = documentation.icon(model)
+    code = maker.files(model, trace)
+    files = {**code, "documentation/index.html": documentation.page(model, trace),
+             "documentation/licenses/license.txt": licence()}
     for preset, values in model.PRESETS.items():
-        files[f"resources/presets/{preset}.ssv"] = parameter_set(preset, values)
+        files[f"resources/presets/{preset}.ssv"] = description.parameter_set(preset, values)
 
     made_with = {"ahv": version("ahv"), "casadi": version("casadi"), **maker.versions()}
     tool = ", ".join(f"{name} {number}" for name, number in made_with.items())
 
-    def describe(guid: str) -> bytes:
-        return model_description(model, trace, maker.FLAVOUR, guid, version("ahv"), tool)
+    def describe(fmi: str, token: str) -> bytes:
+        return DESCRIBE[fmi](model, trace, maker.FLAVOUR, token, version("ahv"), tool)
 
-    files["modelDescription.xml"] = describe("")
-    guid = "{" + pack.digest(files)[:32] + "}"
-    files["modelDescription.xml"] = describe(guid)
-    files.update(maker.binaries(model, files, guid, arm))
-    path = dist / flavour / f"{model.NAME}.fmu"
+    # One token for the FMUs of all versions, so that one library serves them.
+    token = "{" + pack.digest({**files, **{each: describe(each, "") for each in versions(flavour)}})[:32] + "}"
+    files["modelDescription.xml"] = describe(fmi, token)
+    files.update(maker.binaries(model, code, token, fmi))
+    icon = documentation.icon(model)
+    if fmi == "2":
+        files["model.png"] = icon
+    else:
+        files["terminalsAndIcons/icon.png"] = icon
+        files["terminalsAndIcons/terminalsAndIcons.xml"] = description3.terminals(model)
+        files["sources/buildDescription.xml"] = description3.build_description(model, maker.FLAVOUR)
+    path = (dist or places.written()) / folder(flavour, fmi) / f"{model.NAME}.fmu"
     pack.write(path, files)
     return path
 

@@ -18,12 +18,16 @@ from typing import Any, TypeGuard
 import casadi
 
 from . import floats, symbols
-from .interface import CAUSALITIES, COLUMNS, GIVEN, Variable, computed, variables
+from .integrators import METHODS, USUAL_ORDER, advancing
+from .interface import CAUSALITIES, COLUMNS, GIVEN, Variable, computed, names, sample_time, states, variables
 from .trace import Trace, trace_model
 from .units import si_base
 
-ARGUMENTS = {"start": "m, u, p", "advance": "m, t, h, x, u, p, c", "outputs": "m, t, x, u, p", "prepare": "m, p, h"}
+ARGUMENTS = {"start": "m, u, p", "derivative": "m, t, x, u, p", "advance": "m, t, h, x, u, p, c",
+             "outputs": "m, t, x, u, p", "prepare": "m, p, h"}
+OPTIONAL = ("derivative", "advance", "prepare")
 STEP = 0.01  # s, for the trial step
+STEPS = ("internal_step", "sample_time")
 KINDS = ("", "frequency", "discrete")  # what may follow a unit, see `fmus.interface`
 BACKEND = sorted(name for name in vars(floats) if not name.startswith("_"))
 NAME_RULE = "a name has ASCII letters, digits and _, begins with no digit and is no Python keyword"
@@ -42,10 +46,12 @@ def checked_trace(model: ModuleType) -> Trace:
     """The trace of `model`, in which no mistake was found. Raises ModelError at the first mistake."""
     check_parts(model)
     check_table(model)
+    check_states(model)
     check_presets(model)
     check_functions(model)
     trace: Trace = attempt(model, SimpleNamespace(), SimpleNamespace(), trace_model, model)
     check_constants(model, trace)
+    check_shown_states(model, trace)
     return trace
 
 
@@ -72,14 +78,14 @@ def check_parts(model: ModuleType) -> None:
                              ("VARIABLES", list, "a list of rows"), ("PRESETS", dict, "a dict of dicts")):
         if not isinstance(getattr(model, part, None), kind):
             raise ModelError(model, f"{part} is missing or is not {what}; a model has NAME, DESCRIPTION, VARIABLES, "
-                                    "PRESETS, start, advance and outputs")
+                                    "PRESETS, start, outputs, and derivative or advance")
     if not identifier(model.NAME):
         raise ModelError(model, f"NAME {model.NAME!r} is not allowed; {NAME_RULE}")
     if not line_of_text(model.DESCRIPTION):
         raise ModelError(model, "DESCRIPTION must be one line, without control characters")
     for function, arguments in ARGUMENTS.items():
         written = getattr(model, function, None)
-        if written is None and function == "prepare":
+        if written is None and function in OPTIONAL:
             continue
         if not callable(written):
             raise ModelError(model, f"there is no function {function}({arguments})")
@@ -88,34 +94,84 @@ def check_parts(model: ModuleType) -> None:
         except TypeError:
             raise ModelError(model, f"{function}{signature(written)} has other arguments than "
                                     f"{function}({arguments}), as which it is called") from None
+    if not (hasattr(model, "derivative") or hasattr(model, "advance")):
+        raise ModelError(model, f"there is neither a function derivative({ARGUMENTS['derivative']}) nor "
+                                f"advance({ARGUMENTS['advance']}); a model has one of them, or both")
+    if getattr(model, "ORDER", USUAL_ORDER) not in METHODS:
+        raise ModelError(model, f"ORDER {model.ORDER!r} is not allowed; the methods have the orders "
+                                f"{', '.join(map(str, METHODS))}")
 
 
 def check_table(model: ModuleType) -> None:
     """Raises ModelError for a row of VARIABLES that has another length, contradicts itself, or cannot be written."""
     found: set[str] = set()
     for i, row in enumerate(model.VARIABLES):
-        if not isinstance(row, (tuple, list)) or len(row) != len(COLUMNS):
-            length = f" has {len(row)} entries" if isinstance(row, (tuple, list)) else " is not a tuple"
-            raise ModelError(model, f"row {i + 1} of VARIABLES, {row!r},{length}; a row is ({', '.join(COLUMNS)})")
-        name, causality, unit, *_, description = row
-        if not identifier(name):
-            raise ModelError(model, f"the variable name {name!r} is not allowed; {NAME_RULE}")
-        if name in found:
-            raise ModelError(model, f"{name} stands twice in the table; names must differ")
-        if causality not in CAUSALITIES:
-            raise ModelError(model, f"{name}: causality {causality!r} is none of {', '.join(CAUSALITIES)}")
-        reason = unit_mistake(unit)
-        if reason:
-            raise ModelError(model, f"{name}: {reason}")
-        if not line_of_text(description):
-            raise ModelError(model, f"{name}: the description must be one line of text, without control characters")
-        found.add(name)
+        check_row(model, f"row {i + 1} of VARIABLES", row, CAUSALITIES, found)
     for v in variables(model.VARIABLES):
-        reason = range_mistake(v) or start_mistake(v)
-        if reason:
-            raise ModelError(model, f"{v.name}: {reason}")
-        if v.name == "internal_step" and not (v.causality == "parameter" and v.unit == "s" and (v.minimum or 0) > 0):
-            raise ModelError(model, "internal_step must be a parameter in s with a minimum above 0")
+        check_values(model, v)
+        if v.name in STEPS and not (v.causality == "parameter" and v.unit == "s" and (v.minimum or 0) > 0):
+            raise ModelError(model, f"{v.name} must be a parameter in s with a minimum above 0")
+    if found.issuperset(STEPS):
+        raise ModelError(model, "sample_time and internal_step exclude each other; a discrete law takes no internal "
+                                "steps")
+
+
+def check_row(model: ModuleType, place: str, row: Any, causalities: tuple[str, ...], found: set[str]) -> None:
+    """Raises ModelError for a row at `place` that cannot become a record; its name joins `found`, the names before."""
+    if not isinstance(row, (tuple, list)) or len(row) != len(COLUMNS):
+        length = f" has {len(row)} entries" if isinstance(row, (tuple, list)) else " is not a tuple"
+        raise ModelError(model, f"{place}, {row!r},{length}; a row is ({', '.join(COLUMNS)})")
+    name, causality, unit, *_, description = row
+    if not identifier(name):
+        raise ModelError(model, f"the variable name {name!r} is not allowed; {NAME_RULE}")
+    if name in found:
+        raise ModelError(model, f"{name} stands twice in the table; names must differ")
+    if causality not in causalities:
+        raise ModelError(model, f"{name}: causality {causality!r} is none of {', '.join(causalities)}")
+    reason = unit_mistake(unit)
+    if reason:
+        raise ModelError(model, f"{name}: {reason}")
+    if not line_of_text(description):
+        raise ModelError(model, f"{name}: the description must be one line of text, without control characters")
+    found.add(name)
+
+
+def check_values(model: ModuleType, v: Variable) -> None:
+    """Raises ModelError for a limit, a nominal or a start value that `v` cannot have."""
+    reason = range_mistake(v) or start_mistake(v)
+    if reason:
+        raise ModelError(model, f"{v.name}: {reason}")
+
+
+def check_states(model: ModuleType) -> None:
+    """Raises ModelError for STATES that do not go with the table or with the functions."""
+    if not hasattr(model, "derivative"):
+        if hasattr(model, "STATES"):
+            raise ModelError(model, "there are STATES, but no function derivative; STATES name its rates")
+        return
+    table = variables(model.VARIABLES)
+    if sample_time(table) is not None:
+        raise ModelError(model, "there are sample_time and derivative; a discrete law has advance only")
+    if not isinstance(getattr(model, "STATES", None), (list, tuple)):
+        raise ModelError(model, "STATES is missing or is not a list; beside derivative it has, for each rate, the name "
+                                "of an output or a row with the causality 'local'")
+    found = {v.name for v in table}
+    shown = [v.name for v in table if v.causality == "output" and v.type == "Real" and not v.discrete]
+    for i, entry in enumerate(model.STATES):
+        if not isinstance(entry, str):
+            check_row(model, f"entry {i + 1} of STATES", entry, ("local",), found)
+        elif entry not in shown:
+            raise ModelError(model, f"STATES names {entry}, which is no continuous output{nearest(entry, shown)}; a "
+                                    "state that is no output is a row with the causality 'local'")
+        elif entry in model.STATES[:i]:
+            raise ModelError(model, f"{entry} stands twice in STATES")
+    for v in states(model):
+        check_values(model, v)
+        if v.type == "Boolean" or v.discrete:
+            raise ModelError(model, f"{v.name}: a continuous state has a unit, and is not discrete")
+    if not hasattr(model, "advance") and "internal_step" not in names(table, "parameter"):
+        raise ModelError(model, "there is no parameter internal_step; a model without advance is integrated in steps "
+                                "no longer than that")
 
 
 def unit_mistake(text: object) -> str | None:
@@ -197,7 +253,7 @@ def check_functions(model: ModuleType) -> None:
     it should not."""
     table = variables(model.VARIABLES)
     u, p = (SimpleNamespace(**{v.name: v.start for v in table if v.causality == kind}) for kind in GIVEN)
-    h = min(STEP, float(getattr(p, "internal_step", STEP)))
+    h = sample_time(table) or min(STEP, float(getattr(p, "internal_step", STEP)))
 
     def call(name: str, *arguments: Any) -> Any:
         return attempt(model, u, p, getattr(model, name), floats, *arguments)
@@ -206,7 +262,14 @@ def check_functions(model: ModuleType) -> None:
     check_numbers(model, "start()", x, "state")
     c = call("prepare", p, h) if hasattr(model, "prepare") else []
     check_numbers(model, "prepare()", c, "number")
-    later = call("advance", 0.0, h, x, u, p, c)
+    if hasattr(model, "derivative"):
+        rates = call("derivative", 0.0, x, u, p)
+        check_numbers(model, "derivative()", rates, "rate")
+        if not len(rates) == len(model.STATES) <= len(x):
+            raise ModelError(model, f"derivative() returns {len(rates)} rates, STATES has {len(model.STATES)} entries, "
+                                    f"start() returns {len(x)} states; a rate and an entry belong to each of the first "
+                                    "states, and the rest are memories")
+    later = attempt(model, u, p, advancing(model), floats, 0.0, h, x, u, p, c)
     check_numbers(model, "advance()", later, "state")
     if len(later) != len(x):
         raise ModelError(model, f"advance() returns {len(later)} states, but start() {len(x)}; their number is fixed")
@@ -264,9 +327,19 @@ def failure(error: Exception, model: ModuleType, u: SimpleNamespace, p: SimpleNa
 
 def check_constants(model: ModuleType, trace: Trace) -> None:
     """Raises ModelError where a traced function has NaN in it: what `math` and float() make of a symbol."""
-    for function in (trace.start, trace.prepare, trace.advance, trace.outputs):
+    derivative = [trace.derivative] if trace.derivative else []
+    for function in (trace.start, trace.prepare, *derivative, trace.advance, trace.outputs):
         constants = [function.instruction_constant(k) for k in range(function.n_instructions())
                      if function.instruction_id(k) == casadi.OP_CONST]
         if any(map(isnan, constants)):
             raise ModelError(model, f"{function.name()}() gives NaN on symbols, which is what float() and the "
                                     f"functions of math make of them; use m, which has {', '.join(BACKEND)}")
+
+
+def check_shown_states(model: ModuleType, trace: Trace) -> None:
+    """Raises ModelError where an output that STATES names does not show that state."""
+    t, x, u, p = (casadi.SX.sym(name, trace.outputs.size1_in(name)) for name in "txup")
+    y, place = trace.outputs(t, x, u, p), computed(variables(model.VARIABLES)).index
+    for i, entry in enumerate(getattr(model, "STATES", [])):
+        if isinstance(entry, str) and not casadi.is_equal(y[place(entry)], x[i]):
+            raise ModelError(model, f"outputs() gives something else for {entry} than state {i}, which STATES names so")

@@ -1,10 +1,9 @@
-"""Writes modelDescription.xml and the presets' parameter sets (SSV) from a model's table."""
+"""Writes modelDescription.xml of FMI 2.0 and the presets' parameter sets (SSV) from a model's table."""
 from dataclasses import dataclass, field
 from types import ModuleType
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
-import casadi
-
+from .dependencies import Dependencies, dependencies
 from .interface import Variable, computed, names, variables
 from .trace import Trace
 from .units import DEGREES, si_base
@@ -19,14 +18,17 @@ LOG_CATEGORIES = {
     "logStatusFatal": "failures after which the FMU is of no use",
     "logAll": "everything",
 }
+EXPERIMENT = {"startTime": "0", "stopTime": "100", "stepSize": "0.01"}
 SSV = "http://ssp-standard.org/SSP1/SystemStructureParameterValues"
 
 
 @dataclass(frozen=True)
 class Flavour:
-    """What one kind of FMU binary can do; attributes of <CoSimulation>, and its C sources if it has any."""
+    """What one kind of FMU binary can do, as attributes of FMI 2.0's <CoSimulation>; its C sources if it has any, and
+    the FMI versions that it serves."""
     capabilities: dict[str, str]
     sources: list[str] = field(default_factory=list)
+    versions: tuple[str, ...] = ("2",)
 
 
 def number(value: float) -> str:
@@ -37,6 +39,13 @@ def number(value: float) -> str:
 def boolean(value: object) -> str:
     """A truth value as XML."""
     return "true" if value else "false"
+
+
+def head(model: ModuleType, version: str, tool: str, fmi: str, **token: str) -> Element:
+    """<fmiModelDescription> of FMI `fmi`, without content; `token` is the attribute that identifies the build."""
+    return Element("fmiModelDescription", token, fmiVersion=fmi, modelName=model.NAME,
+                   description=model.DESCRIPTION, version=version, author=AUTHOR, copyright=COPYRIGHT,
+                   license=LICENSE, generationTool=tool, variableNamingConvention="flat")
 
 
 def add_units(root: Element, table: list[Variable]) -> None:
@@ -53,60 +62,52 @@ def add_units(root: Element, table: list[Variable]) -> None:
             SubElement(element, "DisplayUnit", name=shown, factor=number(DEGREES))
 
 
-def add_variable(parent: Element, v: Variable) -> None:
-    """One <ScalarVariable>."""
-    port = v.causality in ("input", "output")
-    variability = "fixed" if not port else "discrete" if v.discrete else "continuous"
+def variable_attributes(v: Variable) -> dict[str, str]:
+    """What both versions say of a variable: name, reference, description, causality, variability and initial."""
+    set_once = v.causality in ("parameter", "calculatedParameter")
+    variability = "fixed" if set_once else "discrete" if v.discrete else "continuous"
     attributes = {"name": v.name, "valueReference": str(v.value_reference), "description": v.description,
                   "causality": v.causality, "variability": variability}
-    initial = {"output": "calculated", "calculatedParameter": "calculated", "parameter": "exact"}.get(v.causality)
-    if initial:
-        attributes["initial"] = initial
-    element = SubElement(parent, "ScalarVariable", attributes)
+    initial = {"input": None, "independent": None, "parameter": "exact"}.get(v.causality, "calculated")
+    return {**attributes, "initial": initial} if initial else attributes
+
+
+def value_attributes(v: Variable) -> dict[str, str]:
+    """What both versions say of a variable's values: units, limits, nominal, start."""
     if v.type == "Boolean":
-        SubElement(element, "Boolean", {} if v.start is None else {"start": boolean(v.start)})
-        return
+        return {} if v.start is None else {"start": boolean(v.start)}
     real = {"unit": v.unit, "displayUnit": v.display_unit, "min": v.minimum, "max": v.maximum,
             "nominal": v.nominal, "start": v.start}
-    SubElement(element, "Real", {k: x if isinstance(x, str) else number(x) for k, x in real.items() if x is not None})
+    return {k: x if isinstance(x, str) else number(x) for k, x in real.items() if x is not None}
 
 
-def dependencies(trace: Trace) -> tuple[list[list[int]], list[list[int]]]:
-    """For each computed variable: the inputs it depends on directly after a step, and the inputs, then
-    parameters (counted on from the inputs) it depends on at initialisation."""
-    t, x = trace.outputs.sx_in("t"), trace.outputs.sx_in("x")
-    u, p = trace.outputs.sx_in("u"), trace.outputs.sx_in("p")
-    after_step = casadi.Function("y", [u, x, t, p], [trace.outputs(t, x, u, p)])
-    at_start = casadi.Function("y0", [casadi.vertcat(u, p), t], [trace.outputs(t, trace.start(u, p), u, p)])
-
-    def rows(function: casadi.Function) -> list[list[int]]:
-        pattern = function.jac_sparsity(0, 0)
-        found: list[list[int]] = [[] for _ in range(pattern.size1())]
-        for row, column in zip(*pattern.get_triplet()):
-            found[row].append(column)
-        return found
-
-    return rows(after_step), rows(at_start)
+def add_variable(parent: Element, v: Variable) -> None:
+    """One <ScalarVariable>."""
+    SubElement(SubElement(parent, "ScalarVariable", variable_attributes(v)), v.type, value_attributes(v))
 
 
-def add_structure(root: Element, table: list[Variable], trace: Trace) -> None:
+def add_log_categories(root: Element) -> None:
+    """<LogCategories>."""
+    categories = SubElement(root, "LogCategories")
+    for name, text in LOG_CATEGORIES.items():
+        SubElement(categories, "Category", name=name, description=text)
+
+
+def add_structure(root: Element, table: list[Variable], known: Dependencies) -> None:
     """<ModelStructure>, with the dependencies of what is computed."""
     position = {v.name: i + 1 for i, v in enumerate(table)}
-    inputs, parameters = names(table, "input"), names(table, "parameter")
-    after_step, at_start = dependencies(trace)
     structure = SubElement(root, "ModelStructure")
 
-    def add(parent: Element, name: str, known: list[str]) -> None:
-        SubElement(parent, "Unknown", index=str(position[name]),
-                   dependencies=" ".join(str(i) for i in sorted(position[k] for k in known)))
+    def add(parent: Element, name: str, needs: list[str]) -> None:
+        indices = sorted(position[n] for n in needs if n in position)  # FMI 2.0 has no need of a variable for the time
+        SubElement(parent, "Unknown", index=str(position[name]), dependencies=" ".join(map(str, indices)))
 
     outputs = SubElement(structure, "Outputs")
-    for name, columns in zip(computed(table), after_step):
-        if table[position[name] - 1].causality == "output":
-            add(outputs, name, [inputs[i] for i in columns])
+    for name in names(table, "output"):
+        add(outputs, name, known.after_step[name])
     initial = SubElement(structure, "InitialUnknowns")
-    for name, columns in zip(computed(table), at_start):
-        add(initial, name, [(inputs + parameters)[i] for i in columns])
+    for name in computed(table):
+        add(initial, name, known.at_start[name])
 
 
 def model_description(model: ModuleType, trace: Trace, flavour: Flavour, guid: str, version: str,
@@ -116,10 +117,7 @@ def model_description(model: ModuleType, trace: Trace, flavour: Flavour, guid: s
     `tool` names what made the FMU, with versions.
     """
     table = variables(model.VARIABLES)
-    root = Element("fmiModelDescription", fmiVersion="2.0", modelName=model.NAME, guid=guid,
-                   description=model.DESCRIPTION, version=version, author=AUTHOR, copyright=COPYRIGHT,
-                   license=LICENSE, generationTool=tool,
-                   variableNamingConvention="flat")
+    root = head(model, version, tool, "2.0", guid=guid)
     interface = SubElement(root, "CoSimulation", modelIdentifier=model.NAME,
                            canHandleVariableCommunicationStepSize="true", attrib=flavour.capabilities)
     if flavour.sources:
@@ -127,14 +125,12 @@ def model_description(model: ModuleType, trace: Trace, flavour: Flavour, guid: s
         for source in flavour.sources:
             SubElement(files, "File", name=source)
     add_units(root, table)
-    categories = SubElement(root, "LogCategories")
-    for name, text in LOG_CATEGORIES.items():
-        SubElement(categories, "Category", name=name, description=text)
-    SubElement(root, "DefaultExperiment", startTime="0", stopTime="100", stepSize="0.01")
+    add_log_categories(root)
+    SubElement(root, "DefaultExperiment", EXPERIMENT)
     parent = SubElement(root, "ModelVariables")
     for v in table:
         add_variable(parent, v)
-    add_structure(root, table, trace)
+    add_structure(root, table, dependencies(model, trace))
     return xml_bytes(root)
 
 

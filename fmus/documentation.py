@@ -6,19 +6,26 @@ from html import escape
 from pathlib import Path
 from types import ModuleType
 
-from .description import dependencies
-from .interface import Variable, computed, names, variables
+from .dependencies import dependencies
+from .equations import formulas
+from .interface import Variable, names, variables
 from .model_files import model_files
 from .trace import Trace
 
 STYLE = ("body{font:15px sans-serif;max-width:70em;margin:2em auto;padding:0 1em}table{border-collapse:collapse}"
          "td,th{border:1px solid #ccc;padding:.2em .5em;text-align:left}"
+         ".eq{display:flex;justify-content:space-between;padding:.15em 0;overflow-x:auto}"
+         ".eq small{color:#666;padding-left:2em}"
          "pre{background:#f6f6f6;padding:1em;overflow:auto}")
 RULES = """Inputs are held over a communication step; outputs belong to its end. Values travel in the units of the table
 and nothing converts them; angles travel in rad and are shown in degrees. Parameters may be set until initialisation
 ends, within their limits. A step that would leave an output's limits, or lead to anything that is not a finite number,
 is discarded: the FMU says why, stays at the last communication point, and can be stepped on from there. An input that
 is set to something not finite keeps its old value, and no step is taken until it is set again."""
+
+EQUATIONS = """The formulas are made from the lines of Python that the FMU is built of, which stand below each part. A
+line that is no formula is shown as code. At the right stand the comments of the source, such as the number of an
+equation in the paper."""
 
 
 def cell_text(v: Variable, value: float | bool | None) -> str:
@@ -44,11 +51,12 @@ def variable_rows(table: list[Variable], *causalities: str) -> list[list[str]]:
 
 
 def module_source(name: str, file: Path) -> str:
-    """One file of the model (its name in the model, such as my_room/equations.py): docstring, and code folded away."""
+    """One file of the model (its name in the model, such as my_room/equations.py): docstring, its functions as
+    formulas, and the code folded away."""
     text = file.read_text(encoding="utf-8")
     about = ast.get_docstring(ast.parse(text)) or ""
     title = name.removesuffix(".py").replace("/", ".")
-    return (f"<h3>{escape(title)}</h3><pre>{escape(about)}</pre>\n"
+    return (f"<h3>{escape(title)}</h3><pre>{escape(about)}</pre>\n{formulas(text)}\n"
             f"<details><summary>source</summary><pre>{escape(text)}</pre></details>")
 
 
@@ -56,8 +64,8 @@ def page(model: ModuleType, trace: Trace) -> bytes:
     """documentation/index.html. Raises ModelError as `model_files` does."""
     table = variables(model.VARIABLES)
     inputs = names(table, "input")
-    feeds = [[name, ", ".join(inputs[i] for i in columns) or "no input"]
-             for name, columns in zip(computed(table), dependencies(trace)[0])]
+    feeds = [[name, ", ".join(n for n in needs if n in inputs) or "no input"]
+             for name, needs in dependencies(model, trace).after_step.items()]
     head = ["name", "reference", "shown in", "start", "min", "max", "meaning"]
     presets = []
     for name, values in model.PRESETS.items():
@@ -77,7 +85,8 @@ def page(model: ModuleType, trace: Trace) -> bytes:
         "<p>Connect variables of one name and unit; an input left alone keeps its start value. What an output depends "
         "on at once decides the order in which components are stepped: one that depends on no input breaks a loop.</p>",
         html_table(["output", "depends at once on"], feeds),
-        "<h2>Equations</h2>", *(module_source(*file) for file in model_files(model).items())])
+        "<h2>Equations</h2>", f"<p>{escape(EQUATIONS)}</p>",
+        *(module_source(*file) for file in model_files(model).items())])
     return (f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><title>{escape(model.NAME)}</title>'
             f"<style>{STYLE}</style></head>\n<body>\n{body}\n</body></html>\n").encode()
 

@@ -1,8 +1,11 @@
 """The mathematics backend on plain floats: what a model's equations may call, and nothing more.
 
-`fmus.symbols` has the same names on CasADi symbols. Every function takes and returns single numbers.
+`fmus.symbols` has the same names on CasADi symbols. Every function takes and returns single numbers;
+`integrate` works on lists of them.
 """
 from math import asin, ceil, cos, exp, fabs, floor, log, sin, sqrt, tan  # noqa: F401
+
+from .integrators import integrate  # noqa: F401
 
 
 def where(condition: bool, yes: float, no: float) -> float:

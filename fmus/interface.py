@@ -7,18 +7,33 @@ A model is a module with
                            rate of an angle, and shown as it is; "1 discrete" makes a Real that changes at the end of
                            steps only, such as a flag, 0 or 1; the unit "" makes a Boolean, every other a Real
     PRESETS                name -> {parameter: value}
+    TERMINALS              optional: name -> names of the inputs and outputs that belong together on a connection
     start(m, u, p) -> x                    initial state, a list of floats, from inputs and parameters
-    advance(m, t, h, x, u, p, c) -> x      the state h seconds later, with the inputs held
     outputs(m, t, x, u, p) -> {name: value}   every output and calculated parameter of the table
-    prepare(m, p, h) -> c                  optional: numbers that depend on parameters and step only
+and one of the two, or both:
+    derivative(m, t, x, u, p) -> rates     dx/dt of the first len(STATES) entries of x, per second; the further entries
+                                           are memories, which do not change
+    advance(m, t, h, x, u, p, c) -> x      the state h seconds later, with the inputs held
+    prepare(m, p, h) -> c                  optional: numbers that `advance` needs, of parameters and step only
 where m is the mathematics backend (`fmus.floats` or `fmus.symbols`) and u, p have the inputs and the
-parameters as attributes. A model with a parameter `internal_step` is advanced in equal steps no longer
-than that; the range of an output is where the model is valid, the range of an input where it can start.
+parameters as attributes.
+
+Beside `derivative` stands
+    STATES                 an entry for each rate: the name of the output that shows this very state, or a row with
+                           the causality "local" for a state that is no output
+    ORDER                  optional, 1, 2, 4 or 6: the method of `fmus.integrators` that integrates `derivative` where
+                           there is no `advance`; else 4
+
+A model is advanced in equal steps of at most its parameter `internal_step`, where it has one. A model with a parameter
+`sample_time` is a discrete law: it runs `advance` with that h, and then `outputs`, at the start time and at each
+multiple of `sample_time` after it, whatever the communication step, and its outputs are held in between (see
+`fmus.functions`). The range of an output is where the model is valid, the range of an input where it can start.
 
 `fmus.check_model` finds the mistakes of a model before it becomes an FMU; nothing here looks for them.
 """
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import ceil, degrees
+from types import ModuleType
 
 COLUMNS = ("name", "causality", "unit", "start", "min", "max", "nominal", "description")
 CAUSALITIES = ("input", "output", "calculatedParameter", "parameter")
@@ -42,6 +57,7 @@ class Variable:
     value_reference: int
     display_unit: str | None  # the unit that people read, deg for rad; None where it is `unit`
     discrete: bool = False    # changes at the end of communication steps only
+    derivative_of: str | None = None  # the continuous state that this is the rate of (see `fmus.references`)
 
     @property
     def type(self) -> str:
@@ -69,7 +85,33 @@ def record(row: Row, value_reference: int) -> Variable:
 
 def variables(rows: list[Row]) -> list[Variable]:
     """The table of a model (its VARIABLES) as records, in the table's order."""
-    return [record(row, i) for i, row in enumerate(rows)]
+    table = [record(row, i) for i, row in enumerate(rows)]
+    sampled = sample_time(table) is not None
+    return [replace(v, discrete=True) if sampled and v.causality == "output" else v for v in table]
+
+
+def sample_time(table: list[Variable]) -> float | None:
+    """The time between the instants of a discrete law, s, as its parameter starts; None for other models."""
+    return next((v.start for v in table if v.name == "sample_time" and v.causality == "parameter"), None)
+
+
+def longest_step(table: list[Variable]) -> str | None:
+    """The name of the parameter that no internal step is longer than, None where there is none."""
+    return next((name for name in names(table, "parameter") if name in ("internal_step", "sample_time")), None)
+
+
+def states(model: ModuleType) -> list[Variable]:
+    """The continuous states of `model`, in the order of its STATES: rows of its table, and local variables, whose value
+    references go on after the table's."""
+    table = {v.name: v for v in variables(model.VARIABLES)}
+    found, place = [], len(table)
+    for entry in getattr(model, "STATES", []):
+        if isinstance(entry, str):
+            found.append(table[entry])
+        else:
+            found.append(record(entry, place))
+            place += 1
+    return found
 
 
 def names(table: list[Variable], *causalities: str) -> list[str]:

@@ -7,7 +7,6 @@ held (Gauss-Seidel), each in its internal steps.
 Plants and control laws are model modules (see `fmus.interface`). A plant that is linearised has the inputs of
 `ahv_plant_fmu.model`, begins its state with STATES, and has, besides,
     level_trim(m, V, h, p)                              level flight: theta, eta1, eta2, fuel_ratio, elevator
-    derivative(m, x, fuel_ratio, elevator, scale, p)    dx/dt of the nine states
 A law has the inputs V, h, gamma, theta, Q, V_command, h_command, the outputs fuel_ratio and elevator, and their limits
 as parameters.
 """
@@ -91,7 +90,8 @@ def vehicle_jacobian(plant: ModuleType) -> casadi.Function:
     members = names(variables(plant.VARIABLES), "parameter")
     x, u = casadi.SX.sym("x", 9), casadi.SX.sym("u", 2)
     s, p = casadi.SX.sym("s", len(GROUPS)), casadi.SX.sym("p", len(members))
-    rate = casadi.vertcat(*plant.derivative(symbols, [x[i] for i in range(9)], u[0], u[1], symbol_namespace(s, GROUPS),
+    inputs = symbol_namespace(casadi.vertcat(u, s), [*ACTUATORS, *(f"scale_{group}" for group in GROUPS)])
+    rate = casadi.vertcat(*plant.derivative(symbols, casadi.SX(0), [x[i] for i in range(9)], inputs,
                                             symbol_namespace(p, members)))
     return casadi.Function("vehicle", [x, u, s, p], [rate, casadi.jacobian(rate, x), casadi.jacobian(rate, u)])
 

@@ -5,25 +5,41 @@ from types import ModuleType
 
 import casadi
 
-from .interface import Variable, computed, names, variables
+from .interface import Variable, computed, longest_step, names, states
+from .references import all_variables
 from .trace import Trace
 from .units import DEGREES
 
-CAUSALITY = {"input": "INPUT", "output": "OUTPUT", "calculatedParameter": "CALCULATED_PARAMETER",
-             "parameter": "PARAMETER"}
+ROLES = {"input": "INPUT", "output": "OUTPUT", "calculatedParameter": "CALCULATED_PARAMETER",
+         "parameter": "PARAMETER", "local": "STATE", "independent": "TIME"}
+
+
+def rates(trace: Trace) -> casadi.Function:
+    """The model's `derivative`, (t, x, u, p) -> rates; a model without has no rates."""
+    if trace.derivative:
+        return trace.derivative
+    arguments = [casadi.SX.sym(name, trace.outputs.size1_in(name)) for name in "txup"]
+    return casadi.Function("derivative", arguments, [casadi.SX(0, 1)])
 
 
 def tangents(trace: Trace) -> list[casadi.Function]:
-    """Directional derivatives of the outputs: after a step with respect to u; at the start, through the
-    initial state, with respect to u and p."""
-    n = trace.sizes
+    """Directional derivatives of outputs and rates: after initialisation with respect to u and the continuous states;
+    at the start, through the initial state, with respect to u and p, and of the initial continuous states as well."""
+    n, derivative = trace.sizes, rates(trace)
+    count = derivative.size1_out(0)
     t, x = casadi.SX.sym("t"), casadi.SX.sym("x", n["x"])
     u, p = casadi.SX.sym("u", n["u"]), casadi.SX.sym("p", n["p"])
-    du, dp = casadi.SX.sym("du", n["u"]), casadi.SX.sym("dp", n["p"])
-    after = casadi.jtimes(trace.outputs(t, x, u, p), u, du)
-    start = casadi.jtimes(trace.outputs(t, trace.start(u, p), u, p), casadi.vertcat(u, p), casadi.vertcat(du, dp))
-    return [casadi.Function("tangent", [t, x, u, p, du], [casadi.densify(after)]),
-            casadi.Function("start_tangent", [t, u, p, du, dp], [casadi.densify(start)])]
+    dx, du, dp = casadi.SX.sym("dx", count), casadi.SX.sym("du", n["u"]), casadi.SX.sym("dp", n["p"])
+
+    def along(expression: casadi.SX, variables: list[casadi.SX], direction: list[casadi.SX]) -> casadi.SX:
+        return casadi.densify(casadi.jtimes(expression, casadi.vertcat(*variables), casadi.vertcat(*direction)))
+
+    x0, zeros = trace.start(u, p), casadi.SX.zeros(n["x"] - count)
+    after = [along(f(t, x, u, p), [u, x], [du, dx, zeros]) for f in (trace.outputs, derivative)]
+    start = [along(e, [u, p], [du, dp])
+             for e in (trace.outputs(t, x0, u, p), derivative(t, x0, u, p), x0[:count])]
+    return [casadi.Function("tangent", [t, x, u, p, du, dx], after),
+            casadi.Function("start_tangent", [t, u, p, du, dp], start)]
 
 
 def internal_function(name: str, body: str) -> str:
@@ -32,7 +48,7 @@ def internal_function(name: str, body: str) -> str:
                   f"static void model_{name}(const double **arg, double **res)\n{{\n  (void)arg, (void)res;",
                   body, flags=re.MULTILINE)
     body = re.sub(r"(arg\[\d+\])\? (\1\[\d+\]) : 0", r"\2", body)
-    return body.replace("if (res[0]!=0) ", "").replace("  return 0;\n", "")
+    return re.sub(r"if \(res\[\d+\]!=0\) ", "", body).replace("  return 0;\n", "")
 
 
 def function_code(trace: Trace) -> str:
@@ -43,7 +59,7 @@ def function_code(trace: Trace) -> str:
     version of CasADi is known to write.
     """
     generator = casadi.CodeGenerator("model", {"casadi_real": "double", "casadi_int": "int"})
-    kept = [trace.prepare, trace.start, trace.advance, trace.outputs, *tangents(trace)]
+    kept = [trace.prepare, trace.start, trace.advance, trace.outputs, rates(trace), *tangents(trace)]
     for function in kept:
         generator.add(function)
     text = generator.dump()
@@ -63,12 +79,13 @@ def c_number(value: float | bool | None, otherwise: str = "0.0") -> str:
     return otherwise if value is None else repr(float(value))
 
 
-def table_row(v: Variable, place: int) -> str:
-    """A row of TABLE; `place` is where the value stands among those of its causality."""
+def table_row(v: Variable, place: int, state: int) -> str:
+    """A row of TABLE; `place` is where the value stands among those of its role, `state` which state it is, or -1."""
     factor = DEGREES if v.display_unit else 1.0
     limits = f'{c_number(v.minimum, "-DBL_MAX")}, {c_number(v.maximum, "DBL_MAX")}'
-    return (f'    {{"{v.name}", {CAUSALITY[v.causality]}, {int(v.type == "Boolean")}, {place}, {c_number(v.start)}, '
-            f'{limits}, "{v.unit_suffix}", {c_number(factor)}}},')
+    return (f'    {{"{v.name}", {"RATE" if v.derivative_of else ROLES[v.causality]}, {int(v.type == "Boolean")}, '
+            f'{int(v.discrete)}, {place}, {state}, {c_number(v.start)}, {limits}, "{v.unit_suffix}", '
+            f'{c_number(factor)}}},')
 
 
 def c_array(kind: str, name: str, values: list[str]) -> str:
@@ -78,24 +95,37 @@ def c_array(kind: str, name: str, values: list[str]) -> str:
 
 def table_header(model: ModuleType, trace: Trace) -> str:
     """model.h: sizes, the table, and its limits as arrays."""
-    rows = variables(model.VARIABLES)
+    rows, continuous = all_variables(model), [v.name for v in states(model)]
     reference = {v.name: v.value_reference for v in rows}
-    groups = {"input": names(rows, "input"), "parameter": names(rows, "parameter")}
+    groups = {causality: names(rows, causality) for causality in ("input", "parameter", "independent")}
     y = computed(rows)
     results = [rows[reference[name]] for name in y]
-    step = groups["parameter"].index("internal_step") if "internal_step" in groups["parameter"] else None
+    longest = longest_step(rows)
+    place = groups["parameter"].index(longest) if longest else None
+
+    def row(v: Variable) -> str:
+        state = continuous.index(v.name) if v.name in continuous else -1
+        if v.causality == "local":
+            return table_row(v, continuous.index(v.derivative_of or v.name), state)
+        return table_row(v, groups.get(v.causality, y).index(v.name), state)
+
+    sizes = {"V": len(rows), **{k.upper(): n for k, n in trace.sizes.items()}, "S": len(continuous)}
     return "\n".join([
         f'#define MODEL_NAME "{model.NAME}"',
-        f"enum {{ NV = {len(rows)}, " + ", ".join(f"N{k.upper()} = {n}" for k, n in trace.sizes.items()) + " };",
-        f"#define INTERNAL_STEP(p) {'INFINITY' if step is None else f'((p)[{step}])'}",
+        "enum { " + ", ".join(f"N{k} = {n}" for k, n in sizes.items()) + " };",
+        f"enum {{ HAS_DERIVATIVE = {int(trace.derivative is not None)}, "
+        f"HAS_DISCRETE_OUTPUTS = {int(any(v.discrete for v in results))}, "
+        f"FIRST_RATE = {len(rows) - 1 - len(continuous)} }};",
+        f"#define INTERNAL_STEP(p) {f'((p)[{place}])' if longest else 'INFINITY'}",
         "",
         "static const Variable TABLE[] = {",
-        *(table_row(v, groups.get(v.causality, y).index(v.name)) for v in rows),
+        *map(row, rows),
         "};",
         c_array("unsigned", "INPUTS", [str(reference[name]) for name in groups["input"]]),
         c_array("unsigned", "COMPUTED", [str(reference[name]) for name in y]),
         c_array("double", "Y_MINIMUM", [c_number(v.minimum, "-DBL_MAX") for v in results]),
         c_array("double", "Y_MAXIMUM", [c_number(v.maximum, "DBL_MAX") for v in results]),
+        c_array("double", "NOMINALS", [c_number(v.nominal, "1.0") for v in states(model)]),
         ""])
 
 

@@ -9,9 +9,10 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from .pack import digest
+from .places import written
 
-CACHE = Path(__file__).parent / "dist" / ".cache"
-ZIG_CACHE = Path(__file__).parent / "dist" / ".zig-cache"
+CACHE = written() / ".cache"
+ZIG_CACHE = written() / ".zig-cache"
 WINDOWS = Path(__file__).parent / "wrapper" / "windows"
 LINUX = "x86_64-linux-gnu.2.17"  # of 2012: any Linux in use has at least this C library
 

@@ -18,7 +18,7 @@ CAPABILITIES = {
     "canNotUseMemoryManagementFunctions": "true",
 }
 FLAVOUR = Flavour(CAPABILITIES)
-RUNTIME = ("slave.py", "refusal.py", "interface.py", "floats.py")
+RUNTIME = ("slave.py", "refusal.py", "interface.py", "integrators.py", "functions.py", "floats.py")
 
 # pythonfmu's loader runs this text once more for every instance, and each time drops one reference too many
 # of the module's globals; a module without functions of its own would lose them at once, any other in time.
@@ -78,7 +78,7 @@ def files(model: ModuleType, trace: Trace) -> dict[str, bytes]:
     return {**resources(model), "documentation/licenses/pythonfmu.txt": licence.encode()}
 
 
-def binaries(model: ModuleType, contents: dict[str, bytes], guid: str, arm: bool) -> dict[str, bytes]:
+def binaries(model: ModuleType, contents: dict[str, bytes], token: str, fmi: str) -> dict[str, bytes]:
     """pythonfmu's, the same for every model; it has none for Arm."""
     folder = PYTHONFMU / "resources" / "binaries"
     return {f"binaries/{path.parent.name}/{model.NAME}{path.suffix}": path.read_bytes()

@@ -8,7 +8,8 @@ from types import ModuleType, SimpleNamespace
 from pythonfmu.fmi2slave import Fmi2Slave
 
 from . import floats
-from .interface import GIVEN, Variable, internal_steps, names, variables
+from .functions import functions
+from .interface import GIVEN, Variable, internal_steps, longest_step, variables
 from .refusal import Refused, out_of_range, refusing, startable, unwired
 
 MOST_INTERNAL_STEPS = 1e7
@@ -32,7 +33,8 @@ class ModelSlave(Fmi2Slave):  # type: ignore[misc]
         self.parameters = {v.value_reference: v for v in table if v.causality == "parameter"}
         self.computed = [v for v in table if v.causality in ("output", "calculatedParameter")]
         self.bounded = [v for v in self.computed if v.minimum is not None or v.maximum is not None]
-        self.has_internal_step = "internal_step" in names(table, "parameter")
+        self.longest_step = longest_step(table)
+        self.does = functions(self.model)
         self.x: list[float] = []
         self.time, self.stop_time = 0.0, inf
         self.phase = "instantiated"
@@ -187,7 +189,7 @@ class ModelSlave(Fmi2Slave):  # type: ignore[misc]
         suspect = self.unwired()
         reason = f"{suspect[1]} {startable(suspect[0])}" if suspect else None
         try:
-            reason = reason or self.accept(self.model.start(floats, self.u, self.p), self.time)
+            reason = reason or self.accept(self.does.start(floats, self.u, self.p), self.time)
         except (ArithmeticError, ValueError) as error:
             reason = f"the state cannot be computed ({error})"
         if reason:
@@ -204,7 +206,7 @@ class ModelSlave(Fmi2Slave):  # type: ignore[misc]
 
     def accept(self, x: list[float], time: float) -> str | None:
         """Take `x` and the outputs it gives as the state at `time`, or return why not."""
-        y = self.model.outputs(floats, time, x, self.u, self.p)
+        y = self.does.outputs(floats, time, x, self.u, self.p)
         if not isfinite(sum(y.values()) + sum(x)):
             return next((f"{name} = {value} is not a finite number" for name, value in y.items()
                          if not isfinite(value)), "an internal state is not a finite number")
@@ -221,11 +223,11 @@ class ModelSlave(Fmi2Slave):  # type: ignore[misc]
     def prepare(self, step: float) -> tuple[float, int, float, list[float]] | None:
         """(step, number and length of internal steps, prepared numbers) for communication steps of `step`;
         None if they are too many."""
-        count = internal_steps(step, self.p.internal_step) if self.has_internal_step else 1
+        count = internal_steps(step, getattr(self.p, self.longest_step)) if self.longest_step else 1
         if count > MOST_INTERNAL_STEPS:
             return None
         h = step / count
-        c = self.model.prepare(floats, self.p, h) if hasattr(self.model, "prepare") else []
+        c = self.does.prepare(floats, self.p, h)
         self.prepared = step, count, h, c
         return self.prepared
 
@@ -256,7 +258,7 @@ class ModelSlave(Fmi2Slave):  # type: ignore[misc]
 
     def advance(self, time: float, step: float, count: int, h: float, c: list[float]) -> str | None:
         """Take the state `step` seconds after `time`, in `count` steps of `h`, or return why not."""
-        x, u, p, advance = self.x, self.u, self.p, self.model.advance
+        x, u, p, advance = self.x, self.u, self.p, self.does.advance
         try:
             for i in range(count):
                 x = advance(floats, time + i * h, h, x, u, p, c)

@@ -18,6 +18,8 @@ from casadi import (  # noqa: F401
     tan,
 )
 
+from .integrators import integrate  # noqa: F401
+
 both = logic_and
 either = logic_or
 

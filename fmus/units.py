@@ -43,6 +43,14 @@ def si_base(unit: str) -> tuple[float, dict[str, int]]:
     return factor, {base: exponent for base, exponent in total.items() if exponent}
 
 
+def per_second(unit: str) -> str:
+    """The unit of the rate of a variable in `unit`: ft/s for ft, ft/s^2 for ft/s."""
+    if unit == "s" or unit.endswith(".s"):
+        return unit[:-2] or "1"
+    before, found = re.subn(r"/s(?:\^?(\d+))?$", lambda last: f"/s^{int(last[1] or 1) + 1}", unit)
+    return before if found else f"{unit}/s"
+
+
 def power(piece: str) -> tuple[float, dict[str, int]]:
     """As `si_base`, of a symbol with its exponent, such as s^2. Raises ValueError for another."""
     found = re.fullmatch(r"([A-Za-z]+)(?:\^?(-?\d+))?", piece, re.ASCII)

@@ -59,7 +59,7 @@ def adapted_states():
     members = names(variables(neural_model.VARIABLES), "parameter")
     inputs = names(variables(neural_model.VARIABLES), "input")
     x, u, p = casadi.SX.sym("x", 19), casadi.SX.sym("u", len(inputs)), casadi.SX.sym("p", len(members))
-    rate = neural.derivative(symbols, [x[i] for i in range(19)], symbol_namespace(u, inputs),
+    rate = neural.derivative(symbols, casadi.SX(0), [x[i] for i in range(19)], symbol_namespace(u, inputs),
                              symbol_namespace(p, members))
     gains = casadi.vertcat(*(p[members.index(n)] for n in ("lambda_1", "lambda_2")))
     by = casadi.jacobian(casadi.vertcat(*rate), gains)

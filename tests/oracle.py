@@ -41,7 +41,7 @@ class ClosedLoop:
         u = self.inputs(t, x, m)
         sent = law.outputs(m, t, z, u, self.gains)
         return [*derivative(m, x, sent["fuel_ratio"], sent["elevator"], plant.scales(u), self.vehicle),
-                *law.derivative(m, z, u, self.gains)]
+                *law.derivative(m, t, z, u, self.gains), *[0.0] * (len(z) - len(controller.STATES))]
 
     def traced_rate(self):
         """`rate` through CasADi: ten times as fast as floats."""

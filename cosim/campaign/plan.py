@@ -198,5 +198,5 @@ def recorded(source: Source, campaign: Campaign, system: System, files: Fmus) ->
 
 def task_size(campaign: Campaign, ticks: int) -> int:
     """Runs of one task: a second or so of work, and tasks enough to share out."""
-    per_task = TICKS_PER_TASK if campaign.flavour == "native" else TICKS_PER_TASK // 50
+    per_task = TICKS_PER_TASK if campaign.flavour != "python" else TICKS_PER_TASK // 50
     return max(1, min(per_task // ticks, MOST_PER_TASK, math.ceil(campaign.runs / LEAST_TASKS)))

@@ -27,7 +27,7 @@ Plant = Annotated[str, typer.Option(metavar="NAME|FILE.fmu",
                                     help=f"{choices(PLANTS)}; or any FMU with the same ports.")]
 Preset = Annotated[str | None, typer.Option(help="Preset of the controller, else the scenario's or the controller's "
                                             "own; COMPONENT=NAME,... for other components.")]
-Flavour = Annotated[str | None, typer.Option(help="native or python; else native where it is built.")]
+Flavour = Annotated[str | None, typer.Option(help="native, native-fmi3 or python; else native where it is built.")]
 Step = Annotated[float, typer.Option(help="Communication step, s.")]
 Stop = Annotated[float | None, typer.Option(help="Stop time, s; else the scenario's.")]
 Stream = Annotated[bool, typer.Option("--stream", help="Write rows to the disk during the run, for long runs: no CSV; "

@@ -4,6 +4,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from fmus.places import found
+
 from ..errors import UsageError
 from ..master.quantities import Unit, between, conversion
 from ..master.system import Component, Connection, System, Value
@@ -11,8 +13,7 @@ from ..names import named, safe
 from .registry import LAWS, PLANTS, SCENARIO, Model
 from .scenarios import Scenario
 
-DIST = Path(__file__).parents[2] / "fmus" / "dist"
-FLAVOURS = ("python", "native")
+FLAVOURS = ("python", "native", "native-fmi3")  # folders of FMUs; FMI 2.0 but for the last
 Values = dict[str, dict[str, Value]]  # component -> variable -> value
 
 # source, target, the variables of both. What a component of somebody else may lack is in OPTIONAL.
@@ -74,10 +75,11 @@ def flavour_of(word: str | None) -> str:
 
 
 def fmu_path(flavour: str, model: str) -> Path:
-    """Where the FMU of our model is: in the folder that AHV_FMUS names, else where it is built. Raises UsageError for
-    an unknown flavour."""
-    built = DIST / choice("flavour", flavour, FLAVOURS)
-    return Path(os.environ.get("AHV_FMUS", built)) / f"{model}.fmu"
+    """Where the FMU of our model is: in the folder that AHV_FMUS names, else where `fmus.places` finds it. Raises
+    UsageError for an unknown flavour."""
+    choice("flavour", flavour, FLAVOURS)
+    ours = os.environ.get("AHV_FMUS")
+    return Path(ours) / f"{model}.fmu" if ours is not None else found(flavour, model)
 
 
 def names_file(word: str) -> bool:

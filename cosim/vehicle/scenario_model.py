@@ -67,6 +67,9 @@ VARIABLES = [
       for name, unit, base, _, _ in SIGNALS for key, key_unit, _, low, high, text in shape(base, unit)),
 ]
 
+# What belongs together on a connection: the terminals of FMI 3.0.
+TERMINALS = {"commands": ("V_command", "h_command"), "coefficients": tuple(SCALES)}
+
 
 def start(m, u, p):
     """There is no state."""

@@ -53,16 +53,14 @@ static void take(State *s, const double *x, const double *y, double time)
 }
 
 /* The state and outputs that the inputs and parameters set so far lead to. */
-static fmi2Status initialise(Instance *instance)
+static Status initialise(Instance *instance)
 {
     State *s = &instance->state;
     char reason[SENTENCE], low[32], high[32];
     const Variable *suspect;
     double *x = instance->next_x[0], *y = instance->next_y;
-    if (!s->stale)
-        return fmi2OK;
     if ((suspect = first_unwired(reason, s)))
-        return refuse(instance, fmi2Error,
+        return refuse(instance, ERROR,
                       MODEL_NAME " cannot start: %s It starts with %s from %s to %s%s, set before initialisation ends",
                       reason, suspect->name,
                       number(low, suspect->minimum == -DBL_MAX ? -INFINITY : suspect->minimum * suspect->shown),
@@ -71,10 +69,73 @@ static fmi2Status initialise(Instance *instance)
     model_start((const double *[]){s->u, s->p}, (double *[]){x});
     model_outputs((const double *[]){&s->time, x, s->u, s->p}, (double *[]){y});
     if (not_acceptable(reason, x, y))
-        return refuse(instance, fmi2Error, MODEL_NAME " cannot start: %s", reason);
+        return refuse(instance, ERROR, MODEL_NAME " cannot start: %s", reason);
     take(s, x, y, s->time);
     s->stale = 0;
-    return fmi2OK;
+    return OK;
+}
+
+/* The step is not taken, or the values are not: all stays as it was. */
+static Status discard(const Instance *instance, double time, const char *reason)
+{
+    char text[32];
+    return refuse(instance, DISCARD, "%s at t = %s s", reason, number(text, time));
+}
+
+/* As `discard`, for a reason that the model gives: an input that is not wired may be behind it. */
+static Status model_discards(const Instance *instance, double time, const char *reason)
+{
+    char question[SENTENCE], text[32];
+    if (!first_unwired(question, &instance->state))
+        return discard(instance, time, reason);
+    return refuse(instance, DISCARD, "%s %s at t = %s s", question, reason, number(text, time));
+}
+
+/* The outputs that belong to time, states and inputs as they are set, into next_y. */
+static Status evaluate(Instance *instance)
+{
+    const State *s = &instance->state;
+    char reason[SENTENCE];
+    if (input_refused(reason, s))
+        return discard(instance, s->time, reason);
+    model_outputs((const double *[]){&s->time, s->x, s->u, s->p}, (double *[]){instance->next_y});
+    if (not_acceptable(reason, s->x, instance->next_y))
+        return model_discards(instance, s->time, reason);
+    return OK;
+}
+
+/* The state and outputs are brought up to date with what was set. In continuous time, what is discrete stays as the
+   last event left it. */
+static Status refresh(Instance *instance)
+{
+    State *s = &instance->state;
+    Status status;
+    if (!s->stale)
+        return OK;
+    if (s->phase <= INITIALISING)
+        return initialise(instance);
+    if ((status = evaluate(instance)) != OK)
+        return status;
+    for (int i = 0; i < NY; i++)
+        if (s->phase != IN_CONTINUOUS_TIME || !TABLE[COMPUTED[i]].discrete)
+            s->y[i] = instance->next_y[i];
+    s->stale = 0;
+    return OK;
+}
+
+/* The derivatives of the continuous states, into `rates`. */
+static Status find_rates(Instance *instance)
+{
+    const State *s = &instance->state;
+    char reason[SENTENCE];
+    Status status = refresh(instance);
+    if (status != OK)
+        return status;
+    model_derivative((const double *[]){&s->time, s->x, s->u, s->p}, (double *[]){instance->rates});
+    for (int i = 0; i < NS; i++)
+        if (out_of_range(reason, &TABLE[FIRST_RATE + i], instance->rates[i]))
+            return model_discards(instance, s->time, reason);
+    return OK;
 }
 
 /* Number and length of internal steps, and the numbers that depend on them; returns 0 if they are too many. */

@@ -12,26 +12,26 @@ enum { N_CATEGORIES = sizeof CATEGORIES / sizeof CATEGORIES[0] };
 
 /* Returns `status`. The sentence goes out as the logger's format, for there are importers that print the format
    alone; so it may hold none of the characters that mean something there. */
-static fmi2Status say(const fmi2CallbackFunctions *callbacks, unsigned logged, const char *name, fmi2Status status,
-                      const char *format, va_list arguments)
+static Status say(const Host *host, unsigned logged, const char *name, Status status, const char *format,
+                  va_list arguments)
 {
     char sentence[SENTENCE];
-    unsigned category = (unsigned)status - (unsigned)fmi2Warning;
-    if (!callbacks || !callbacks->logger || !(logged & (1u << category)))
+    unsigned category = (unsigned)status - (unsigned)WARNING;
+    if (!host->logger || !(logged & (1u << category)))
         return status;
     vsnprintf(sentence, sizeof sentence, format, arguments);
     for (char *at = sentence; *at; at++)
         if (*at == '%' || *at == '#')
             *at = '?';
-    callbacks->logger(callbacks->componentEnvironment, name, status, CATEGORIES[category], sentence);
+    host->tell(host, name, status, CATEGORIES[category], sentence);
     return status;
 }
 
-static fmi2Status refuse(const Instance *instance, fmi2Status status, const char *format, ...)
+static Status refuse(const Instance *instance, Status status, const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
-    say(&instance->callbacks, instance->logged, instance->name, status, format, arguments);
+    say(&instance->host, instance->logged, instance->name, status, format, arguments);
     va_end(arguments);
     return status;
 }
@@ -72,10 +72,4 @@ static int unwired(char question[SENTENCE], const Variable *v, double value)
         return 0;
     snprintf(question, SENTENCE, "%s = %s%s: is it wired?", v->name, number(text, value * v->shown), v->unit);
     return 1;
-}
-
-static Instance *valid(fmi2Component component)
-{
-    Instance *instance = component;
-    return instance && instance->magic == INSTANCE_MAGIC ? instance : NULL;
 }

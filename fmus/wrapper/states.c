@@ -21,17 +21,17 @@ static uint64_t checksum(const State *state)
     return sum;
 }
 
-static Saved *ours(Saved *saved)
+static int ours(const Saved *saved)
 {
-    return saved && saved->magic == SAVED_MAGIC && saved->size == sizeof *saved && memcmp(saved->guid, GUID, sizeof GUID) == 0
-               ? saved : NULL;
+    return saved && saved->magic == SAVED_MAGIC && saved->size == sizeof *saved &&
+           memcmp(saved->guid, GUID, sizeof GUID) == 0;
 }
 
 static Saved *new_saved(const Instance *instance)
 {
-    Saved *saved = instance->callbacks.allocateMemory(1, sizeof *saved);
+    Saved *saved = instance->host.allocate(1, sizeof *saved);
     if (!saved) {
-        refuse(instance, fmi2Error, "no memory for a state of " MODEL_NAME);
+        refuse(instance, ERROR, "no memory for a state of " MODEL_NAME);
         return NULL;
     }
     memset(saved, 0, sizeof *saved);
@@ -41,101 +41,90 @@ static Saved *new_saved(const Instance *instance)
     return saved;
 }
 
-static fmi2Status foreign(const Instance *instance)
+static Status foreign(const Instance *instance)
 {
-    return refuse(instance, fmi2Error, "the state given is none of this " MODEL_NAME ", or was changed or freed");
+    return refuse(instance, ERROR, "the state given is none of this " MODEL_NAME ", or was changed or freed");
 }
 
-fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *FMUstate)
+static Status save_state(const Instance *instance, void **place)
 {
-    Instance *instance = valid(c);
     Saved *saved;
     if (!instance)
-        return fmi2Error;
-    if (!FMUstate || (*FMUstate && !ours(*FMUstate)))
+        return ERROR;
+    if (!place || (*place && !ours(*place)))
         return foreign(instance);
-    saved = *FMUstate ? *FMUstate : new_saved(instance);
+    saved = *place ? *place : new_saved(instance);
     if (!saved)
-        return fmi2Error;
+        return ERROR;
     saved->state = instance->state;
-    *FMUstate = saved;
-    return fmi2OK;
+    *place = saved;
+    return OK;
 }
 
-fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate FMUstate)
+static Status restore_state(Instance *instance, const Saved *saved)
 {
-    Instance *instance = valid(c);
     if (!instance)
-        return fmi2Error;
-    if (!ours(FMUstate))
+        return ERROR;
+    if (!ours(saved) || saved->state.kind != instance->state.kind)
         return foreign(instance);
-    instance->state = ((const Saved *)FMUstate)->state;
-    return fmi2OK;
+    instance->state = saved->state;
+    return OK;
 }
 
-fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *FMUstate)
+static Status free_state(const Instance *instance, void **place)
 {
-    Instance *instance = valid(c);
-    Saved *saved;
     if (!instance)
-        return fmi2Error;
-    if (!FMUstate || !*FMUstate)
-        return fmi2OK;
-    saved = ours(*FMUstate);
-    if (!saved)
+        return ERROR;
+    if (!place || !*place)
+        return OK;
+    if (!ours(*place))
         return foreign(instance);
-    saved->magic = 0;
-    instance->callbacks.freeMemory(saved);
-    *FMUstate = NULL;
-    return fmi2OK;
+    ((Saved *)*place)->magic = 0;
+    instance->host.release(*place);
+    *place = NULL;
+    return OK;
 }
 
-fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate FMUstate, size_t *size)
+static Status serialised_size(const Instance *instance, const Saved *saved, size_t *size)
 {
-    Instance *instance = valid(c);
     if (!instance)
-        return fmi2Error;
-    if (!ours(FMUstate) || !size)
+        return ERROR;
+    if (!ours(saved) || !size)
         return foreign(instance);
-    *size = sizeof(Saved);
-    return fmi2OK;
+    *size = sizeof *saved;
+    return OK;
 }
 
-fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate FMUstate, fmi2Byte serializedState[], size_t size)
+static Status serialise(const Instance *instance, Saved *saved, void *bytes, size_t size)
 {
-    Instance *instance = valid(c);
-    Saved *saved;
     if (!instance)
-        return fmi2Error;
-    saved = ours(FMUstate);
-    if (!saved || !serializedState)
+        return ERROR;
+    if (!ours(saved) || !bytes)
         return foreign(instance);
     if (size < sizeof *saved)
-        return refuse(instance, fmi2Error, "a serialised state takes %u bytes, not %u", (unsigned)sizeof *saved,
+        return refuse(instance, ERROR, "a serialised state takes %u bytes, not %u", (unsigned)sizeof *saved,
                       (unsigned)size);
     saved->checksum = checksum(&saved->state);
-    memcpy(serializedState, saved, sizeof *saved);
-    return fmi2OK;
+    memcpy(bytes, saved, sizeof *saved);
+    return OK;
 }
 
-fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte serializedState[], size_t size,
-                                   fmi2FMUstate *FMUstate)
+static Status deserialise(const Instance *instance, const void *bytes, size_t size, void **place)
 {
-    Instance *instance = valid(c);
     Saved *saved, given;
     if (!instance)
-        return fmi2Error;
-    if (!serializedState || !FMUstate || size != sizeof given)
+        return ERROR;
+    if (!bytes || !place || size != sizeof given)
         return foreign(instance);
-    memcpy(&given, serializedState, sizeof given);
+    memcpy(&given, bytes, sizeof given);
     if (!ours(&given) || given.checksum != checksum(&given.state))
         return foreign(instance);
-    if (*FMUstate && !ours(*FMUstate))
+    if (*place && !ours(*place))
         return foreign(instance);
-    saved = *FMUstate ? *FMUstate : new_saved(instance);
+    saved = *place ? *place : new_saved(instance);
     if (!saved)
-        return fmi2Error;
+        return ERROR;
     saved->state = given.state;
-    *FMUstate = saved;
-    return fmi2OK;
+    *place = saved;
+    return OK;
 }

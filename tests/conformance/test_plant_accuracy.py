@@ -12,7 +12,7 @@ import ahv_plant_fmu.model as plant
 from ahv_plant_fmu.equations import derivative
 from fmus import floats
 
-STATES = plant.SHOWN_STATES
+STATES = plant.STATES
 STRUCTURES = [plant.PRESETS["decoupled"], plant.PRESETS["estimated-coupling"]]
 
 

@@ -11,7 +11,7 @@ from places import ROOT
 
 from cosim.errors import RunError
 from cosim.vehicle.registry import MODELS
-from fmus.build import DIST, build
+from fmus.build import build
 
 
 @pytest.fixture(params=sorted(MODELS))
@@ -82,10 +82,11 @@ def test_two_builds_in_one_process_each_run_their_own_code(tmp_path):
     copyfile(ROOT / "LICENSE", copy / "LICENSE")
     law = copy / "ahv_ctrl_fmu" / "neural.py"
     law.write_text(law.read_text().replace('"h_error": u.h - s.h_ref[0]', '"h_error": 42.0'))
-    subprocess.run([sys.executable, "-c", "import sys; from fmus.build import build; build(sys.argv[1], 'python')",
-                    MODELS["AhvController"]], cwd=copy, check=True)
+    subprocess.run([sys.executable, "-c", "import sys; from pathlib import Path; from fmus.build import build;"
+                                          "build(sys.argv[1], 'python', Path(sys.argv[2]))",
+                    MODELS["AhvController"], copy], cwd=copy, check=True)
     original = build(MODELS["AhvController"], "python", tmp_path)
-    altered = copy / DIST.relative_to(ROOT) / "python" / "AhvController.fmu"
+    altered = copy / "python" / "AhvController.fmu"
     for first, second, values in ((original, altered, (0.0, 42.0)), (altered, original, (42.0, 0.0))):
         with running(first) as a, running(second) as b:
             assert (a.get(["h_error"])[0], b.get(["h_error"])[0]) == values

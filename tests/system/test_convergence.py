@@ -22,14 +22,14 @@ def exact():
 
 
 def test_the_loop_converges_to_the_oracle_with_first_order(exact, tmp_path):
-    print("\nlargest error / nominal over Case 1, 0-16 s\n step", *(f"{name:>9}" for name in plant.SHOWN_STATES))
+    print("\nlargest error / nominal over Case 1, 0-16 s\n step", *(f"{name:>9}" for name in plant.STATES))
     errors = []
     for step in STEPS:
         flown(tmp_path, "case1", "--flavour", "native", "--step", step, "--stop", STOP)
         table = pyarrow.parquet.read_table(tmp_path / "out" / "signals.parquet")
         every = round(GRID / step)
-        found = np.array([table[f"plant.{name}"].to_numpy()[::every] for name in plant.SHOWN_STATES]).T
-        nominal = [NOMINAL[name] for name in plant.SHOWN_STATES]
+        found = np.array([table[f"plant.{name}"].to_numpy()[::every] for name in plant.STATES]).T
+        nominal = [NOMINAL[name] for name in plant.STATES]
         errors.append(np.max(np.abs(found - exact) / nominal, axis=0))
         print(f"{step:.3f}", *(f"{e:9.2e}" for e in errors[-1]))
     orders = np.array([[log2(b / a) for a, b in zip(fine, coarse)] for fine, coarse in pairwise(errors)])

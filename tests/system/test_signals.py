@@ -186,8 +186,11 @@ def wait_for_hang(command: Command) -> None:
     deadline, seen = time.monotonic() + 60, [0.0]
     while time.monotonic() < deadline:
         time.sleep(0.1)
-        workers = [p for p in psutil.Process(command.process.pid).children(recursive=True) if not p.children()]
-        seen.append(sum(p.cpu_times().user for p in workers))
+        try:
+            workers = [p for p in psutil.Process(command.process.pid).children(recursive=True) if not p.children()]
+            seen.append(sum(p.cpu_times().user for p in workers))
+        except psutil.NoSuchProcess:  # it ended while it was looked at
+            continue
         if seen[-1] > 0 and len(seen) > 30 and seen[-1] == seen[-30]:
             return
     raise AssertionError("The process of the flight does not hang.")

@@ -14,6 +14,7 @@ import pytest
 
 from cosim.vehicle.registry import MODELS
 from fmus import floats
+from fmus.integrators import advancing
 from fmus.interface import variables
 
 RECORD = Path(__file__).with_name("model_numbers.json")
@@ -32,7 +33,7 @@ def flown(model, flight):
     x = model.start(floats, inputs(0), p)
     c = model.prepare(floats, p, h) if hasattr(model, "prepare") else []
     for k in range(STEPS):
-        x = model.advance(floats, t + k * h, h, x, inputs(k), p, c)
+        x = advancing(model)(floats, t + k * h, h, x, inputs(k), p, c)
     return {name: float(value) for name, value in model.outputs(floats, t + STEPS * h, x, inputs(STEPS), p).items()}
 
 

@@ -8,6 +8,7 @@ from oracle import starts
 
 from cosim.vehicle.registry import MODELS
 from fmus import floats
+from fmus.integrators import advancing
 from fmus.interface import computed, names, variables
 from fmus.trace import trace_model
 from fmus.units import si_base
@@ -56,7 +57,7 @@ def test_both_backends_give_the_same_numbers(model):
 
     x = model.start(floats, u, p)
     c = model.prepare(floats, p, h) if hasattr(model, "prepare") else []
-    stepped = model.advance(floats, 0.3, h, x, u, p, c)
+    stepped = advancing(model)(floats, 0.3, h, x, u, p, c)
     y = model.outputs(floats, 0.3, stepped, u, p)
     assert close(x, traced.start(flat_u, flat_p))
     assert np.allclose(c, np.array(traced.prepare(flat_p, h)).ravel(), rtol=1e-12, atol=1e-13)

@@ -42,7 +42,7 @@ def test_the_step_converges_to_the_law_in_continuous_time(V, h, gamma, Q):
     p = starts(controller, "parameter", elevator_bandwidth=5.0, **AWAKE, **UNLIMITED)
     start = law.start(floats, measured(), p)
     u = measured(7700 + V, 85000 + h, gamma, LEVEL + gamma, Q)
-    exact = solve_ivp(lambda t, x: law.derivative(floats, list(x), u, p), (0, 0.04), start,
+    exact = solve_ivp(lambda t, x: [*law.derivative(floats, t, list(x), u, p), 0.0], (0, 0.04), start,
                       method="DOP853", rtol=1e-12, atol=1e-14).y[:, -1]
     errors = []
     for count in (32, 128):
@@ -59,7 +59,7 @@ def test_the_integrals_freeze_while_their_channel_saturates():
     p = starts(controller, "parameter")
     x = law.start(floats, measured(), p)
     u = measured(V=7000.0, h=80000.0)
-    rate = law.unpack(law.derivative(floats, x, u, p))
+    rate = law.unpack([*law.derivative(floats, 0.0, x, u, p), 0.0])
     sent = law.outputs(floats, 0.0, x, u, p)
     assert sent["fuel_ratio_saturated"] and sent["fuel_ratio"] == p.fuel_ratio_max and rate.V_integral == 0
     assert sent["elevator_saturated"] and abs(sent["elevator"]) == p.elevator_max and rate.e_integral == 0

@@ -1,7 +1,7 @@
 """Units in SI base units: factors known from elsewhere, and what is no unit."""
 import pytest
 
-from fmus.units import SYMBOLS, si_base
+from fmus.units import SYMBOLS, per_second, si_base
 
 FT, SLUG, LBF = 0.3048, 14.593902937206365, 4.4482216152605005  # m, kg, N
 
@@ -41,3 +41,13 @@ def test_what_is_no_unit_is_refused_with_the_rule(text):
 
 def test_every_symbol_is_a_unit():
     assert all(si_base(symbol) for symbol in SYMBOLS)
+
+
+@pytest.mark.parametrize("unit, rate", [
+    ("1", "1/s"), ("ft", "ft/s"), ("ft/s", "ft/s^2"), ("slug.ft/s^2", "slug.ft/s^3"), ("rad/s3", "rad/s^4"),
+    ("1/s", "1/s^2"), ("lbf/slug", "lbf/slug/s"), ("rad.s", "rad"), ("s", "1")])
+def test_the_unit_of_a_rate_is_the_units_per_second(unit, rate):
+    assert per_second(unit) == rate
+    (size, base), (rate_size, rate_base) = si_base(unit), si_base(rate)
+    assert rate_size == pytest.approx(size, rel=1e-15)
+    assert {**rate_base, "s": rate_base.get("s", 0) + 1} == {**base, "s": base.get("s", 0)}
