@@ -19,7 +19,7 @@ from ahv_ctrl_fmu import resilient as r
 from ahv_ctrl_fmu import resilient_model
 from ahv_ctrl_fmu.neural import activation
 from ahv_ctrl_fmu.neural_model import CALIBRATED
-from fmus.build import build
+from fmus.builder import build
 
 IN_THEIR_PLACE = {"filter_moment": 1e-9, "moment_gain": 0.0}  # neither pitch disturbance nor moment scale
 BOX = {name: tuple(CALIBRATED[f"net2_{name}_{key}"] for key in ("min", "max", "width"))

@@ -23,7 +23,7 @@ from ahv_ctrl_fmu import backstepping_model, neural_model
 from ahv_ctrl_fmu import resilient as r
 from ahv_ctrl_fmu.resilient_model import QUIET
 from cosim.vehicle.registry import LAWS
-from fmus.build import build
+from fmus.builder import build
 
 OUT = Path("results") / "laws"
 PROTECTION = {"protect_k_Q": QUIET["k_Q"], "protect_k_barrier": QUIET["k_barrier"],

@@ -21,7 +21,7 @@ from protected_laws import MODELS, OUT
 
 from cosim.campaign import plan
 from cosim.campaign.worker import LoadedSystems, requests
-from fmus.build import build
+from fmus.builder import build
 
 RESULTS = Path("results") / "retuned"
 NO_LIMIT = {"protect_k_barrier": 1e4}  # what is left: the thrust pitches where the elevator's stop does not

@@ -1,12 +1,14 @@
 """Writes modelDescription.xml of FMI 2.0 and the presets' parameter sets (SSV) from a model's table."""
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import ModuleType
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from .dependencies import Dependencies, dependencies
-from .interface import Variable, computed, names, variables
+from .interface import GIVEN, Variable, names, variables
+from .references import all_variables
 from .trace import Trace
-from .units import DEGREES, si_base
+from .units import DEGREES, Worth, si_base
 
 AUTHOR = "the AHV FMU authors"
 COPYRIGHT = f"Copyright 2026 {AUTHOR}"
@@ -24,11 +26,12 @@ SSV = "http://ssp-standard.org/SSP1/SystemStructureParameterValues"
 
 @dataclass(frozen=True)
 class Flavour:
-    """What one kind of FMU binary can do, as attributes of FMI 2.0's <CoSimulation>; its C sources if it has any, and
-    the FMI versions that it serves."""
+    """What one kind of FMU binary can do, as attributes of FMI 2.0's <CoSimulation>; its C sources if it has any, the
+    FMI versions that it serves, and whether it serves model exchange."""
     capabilities: dict[str, str]
     sources: list[str] = field(default_factory=list)
     versions: tuple[str, ...] = ("2",)
+    exchanges: bool = False
 
 
 def number(value: float) -> str:
@@ -48,12 +51,12 @@ def head(model: ModuleType, version: str, tool: str, fmi: str, **token: str) -> 
                    license=LICENSE, generationTool=tool, variableNamingConvention="flat")
 
 
-def add_units(root: Element, table: list[Variable]) -> None:
-    """<UnitDefinitions>: the units of the table in SI base units, and what they are shown in."""
+def add_units(root: Element, table: list[Variable], own: Mapping[str, Worth]) -> None:
+    """<UnitDefinitions>: the units of the table in SI base units, and what they are shown in; `own` are the model's."""
     definitions = SubElement(root, "UnitDefinitions")
     for unit in sorted({v.unit for v in table} - {""}):
         element = SubElement(definitions, "Unit", name=unit)
-        factor, exponents = si_base(unit)
+        factor, exponents = si_base(unit, own)
         base = {name: str(exponent) for name, exponent in exponents.items()}
         if factor != 1.0:
             base["factor"] = number(factor)
@@ -81,9 +84,22 @@ def value_attributes(v: Variable) -> dict[str, str]:
     return {k: x if isinstance(x, str) else number(x) for k, x in real.items() if x is not None}
 
 
-def add_variable(parent: Element, v: Variable) -> None:
-    """One <ScalarVariable>."""
-    SubElement(SubElement(parent, "ScalarVariable", variable_attributes(v)), v.type, value_attributes(v))
+def add_interface(root: Element, kind: str, model: ModuleType, flavour: Flavour, **attributes: str) -> None:
+    """<CoSimulation> or <ModelExchange>, with the sources if there are any."""
+    interface = SubElement(root, kind, {"modelIdentifier": model.NAME, **attributes, **flavour.capabilities})
+    if flavour.sources:
+        files = SubElement(interface, "SourceFiles")
+        for source in flavour.sources:
+            SubElement(files, "File", name=source)
+
+
+def add_variables(root: Element, table: list[Variable]) -> None:
+    """<ModelVariables>."""
+    parent, position = SubElement(root, "ModelVariables"), {v.name: str(i + 1) for i, v in enumerate(table)}
+    for v in table:
+        rate = {"derivative": position[v.derivative_of]} if v.derivative_of else {}
+        element = SubElement(parent, "ScalarVariable", variable_attributes(v))
+        SubElement(element, v.type, {**value_attributes(v), **rate})
 
 
 def add_log_categories(root: Element) -> None:
@@ -94,20 +110,24 @@ def add_log_categories(root: Element) -> None:
 
 
 def add_structure(root: Element, table: list[Variable], known: Dependencies) -> None:
-    """<ModelStructure>, with the dependencies of what is computed."""
+    """<ModelStructure>, with the dependencies of what is computed on inputs, parameters, and the states whose rates the
+    table has."""
     position = {v.name: i + 1 for i, v in enumerate(table)}
+    continuous = {v.derivative_of for v in table}
     structure = SubElement(root, "ModelStructure")
 
-    def add(parent: Element, name: str, needs: list[str]) -> None:
-        indices = sorted(position[n] for n in needs if n in position)  # FMI 2.0 has no need of a variable for the time
-        SubElement(parent, "Unknown", index=str(position[name]), dependencies=" ".join(map(str, indices)))
+    def add(kind: str, listed: list[str], needs: dict[str, list[str]]) -> None:
+        parent = SubElement(structure, kind)
+        for name in listed:
+            # FMI 2.0 has no need of a variable for the time.
+            indices = sorted(position[n] for n in needs[name] if n in continuous or
+                             (n in position and table[position[n] - 1].causality in GIVEN))
+            SubElement(parent, "Unknown", index=str(position[name]), dependencies=" ".join(map(str, indices)))
 
-    outputs = SubElement(structure, "Outputs")
-    for name in names(table, "output"):
-        add(outputs, name, known.after_step[name])
-    initial = SubElement(structure, "InitialUnknowns")
-    for name in computed(table):
-        add(initial, name, known.at_start[name])
+    add("Outputs", names(table, "output"), known.after_step)
+    if continuous - {None}:
+        add("Derivatives", [v.name for v in table if v.derivative_of], known.after_step)
+    add("InitialUnknowns", [v.name for v in table if v.causality not in GIVEN], known.at_start)
 
 
 def model_description(model: ModuleType, trace: Trace, flavour: Flavour, guid: str, version: str,
@@ -116,20 +136,17 @@ def model_description(model: ModuleType, trace: Trace, flavour: Flavour, guid: s
 
     `tool` names what made the FMU, with versions.
     """
-    table = variables(model.VARIABLES)
+    exchange = bool(trace.derivative and flavour.exchanges)
+    table = all_variables(model)[:-1] if exchange else variables(model.VARIABLES)
     root = head(model, version, tool, "2.0", guid=guid)
-    interface = SubElement(root, "CoSimulation", modelIdentifier=model.NAME,
-                           canHandleVariableCommunicationStepSize="true", attrib=flavour.capabilities)
-    if flavour.sources:
-        files = SubElement(interface, "SourceFiles")
-        for source in flavour.sources:
-            SubElement(files, "File", name=source)
-    add_units(root, table)
+    if exchange:
+        add_interface(root, "ModelExchange", model, flavour,
+                      completedIntegratorStepNotNeeded=boolean(not any(v.discrete for v in table)))
+    add_interface(root, "CoSimulation", model, flavour, canHandleVariableCommunicationStepSize="true")
+    add_units(root, table, getattr(model, "UNITS", {}))
     add_log_categories(root)
     SubElement(root, "DefaultExperiment", EXPERIMENT)
-    parent = SubElement(root, "ModelVariables")
-    for v in table:
-        add_variable(parent, v)
+    add_variables(root, table)
     add_structure(root, table, dependencies(model, trace))
     return xml_bytes(root)
 

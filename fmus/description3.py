@@ -8,6 +8,7 @@ from .description import (
     Flavour,
     add_log_categories,
     add_units,
+    boolean,
     head,
     number,
     value_attributes,
@@ -22,8 +23,8 @@ VERSION = "3.0"
 TYPES = {"Real": "Float64", "Boolean": "Boolean"}
 
 # What FMI 3.0 calls otherwise than FMI 2.0.
-CAPABILITIES = {"canGetAndSetFMUstate": "canGetAndSetFMUState", "canSerializeFMUstate": "canSerializeFMUState",
-                "providesDirectionalDerivative": "providesDirectionalDerivatives"}
+CAPABILITIES = {"canGetAndSetFMUstate": ("canGetAndSetFMUState",), "canSerializeFMUstate": ("canSerializeFMUState",),
+                "providesDirectionalDerivative": ("providesDirectionalDerivatives", "providesAdjointDerivatives")}
 
 CO_SIMULATION = {"canHandleVariableCommunicationStepSize": "true", "hasEventMode": "false",
                  "providesIntermediateUpdate": "false", "canReturnEarlyAfterIntermediateUpdate": "false"}
@@ -37,11 +38,13 @@ def model_description(model: ModuleType, trace: Trace, flavour: Flavour, token: 
     """
     everything = all_variables(model)
     root = head(model, version, tool, VERSION, instantiationToken=token)
-    able = {CAPABILITIES.get(name, name): value for name, value in flavour.capabilities.items()}
-    if trace.derivative:
-        SubElement(root, "ModelExchange", modelIdentifier=model.NAME, attrib=able)
-    SubElement(root, "CoSimulation", {"modelIdentifier": model.NAME, **able, **CO_SIMULATION, **sample_time(model)})
-    add_units(root, everything)
+    able = {name: value for old, value in flavour.capabilities.items() for name in CAPABILITIES.get(old, (old,))}
+    identity = {"modelIdentifier": model.NAME, **able}
+    if trace.derivative and flavour.exchanges:
+        SubElement(root, "ModelExchange", identity,
+                   needsCompletedIntegratorStep=boolean(any(v.discrete for v in everything)))
+    SubElement(root, "CoSimulation", {**identity, **CO_SIMULATION, **sample_time(model)})
+    add_units(root, everything, getattr(model, "UNITS", {}))
     add_log_categories(root)
     SubElement(root, "DefaultExperiment", EXPERIMENT)
     place = {v.name: str(v.value_reference) for v in everything}

@@ -6,6 +6,7 @@ A model is a module with
                            angles in rad, and shown in degrees; "rad/s frequency" is the unit rad/s of what is no
                            rate of an angle, and shown as it is; "1 discrete" makes a Real that changes at the end of
                            steps only, such as a flag, 0 or 1; the unit "" makes a Boolean, every other a Real
+    UNITS                  optional: name -> (how many, of which unit), units beside those of `fmus.units`
     PRESETS                name -> {parameter: value}
     TERMINALS              optional: name -> names of the inputs and outputs that belong together on a connection
     start(m, u, p) -> x                    initial state, a list of floats, from inputs and parameters

@@ -5,6 +5,7 @@ import struct
 import subprocess
 import sys
 import tempfile
+from concurrent.futures import ThreadPoolExecutor
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
@@ -82,6 +83,12 @@ def universal(*libraries: bytes) -> bytes:
         at = page + len(body)
     head = struct.pack(">II", 0xcafebabe, len(libraries)) + table
     return head + bytes(page - len(head)) + body
+
+
+def libraries(wanted: list[tuple[str, str]], sources: dict[str, bytes]) -> list[bytes]:
+    """`library` for each (name, target), compiled on all cores. Raises RuntimeError as `library` does."""
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        return list(pool.map(lambda each: library(each[0], each[1], sources), wanted))
 
 
 def library(name: str, target: str, sources: dict[str, bytes]) -> bytes:

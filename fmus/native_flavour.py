@@ -4,14 +4,14 @@ from types import ModuleType
 
 from .description import Flavour
 from .native_code import generated_sources
-from .native_compiler import LINUX, compiler_version, library, universal
+from .native_compiler import LINUX, compiler_version, libraries, universal
 from .trace import Trace
 
 WRAPPER = Path(__file__).parent / "wrapper"
 HEADERS = Path(__file__).parent / "headers"
 
 FLAVOUR = Flavour({"canGetAndSetFMUstate": "true", "canSerializeFMUstate": "true",
-                   "providesDirectionalDerivative": "true"}, ["all.c"], ("2", "3"))
+                   "providesDirectionalDerivative": "true"}, ["all.c"], ("2", "3"), exchanges=True)
 
 # Platform, as FMI 3.0 names its folder -> (target, suffix, the folder's name in FMI 2.0). FMI 2.0 has no names for Arm:
 # its darwin64 is for both processors, so every importer finds it; importers that look into linux64 on every processor
@@ -45,8 +45,8 @@ def binaries(model: ModuleType, contents: dict[str, bytes], token: str, fmi: str
     code = {path.removeprefix("sources/"): content for path, content in contents.items() if path.startswith("sources/")}
     code["guid.h"] = header
     made: dict[str, list[bytes]] = {}
-    for platform, (target, suffix, in_fmi2) in PLATFORMS.items():
-        place = f"binaries/{in_fmi2 if fmi == '2' else platform}/{model.NAME}{suffix}"
-        made.setdefault(place, []).append(library(model.NAME + suffix, target, code))
+    compiled = libraries([(model.NAME + suffix, target) for target, suffix, _ in PLATFORMS.values()], code)
+    for (platform, (_, suffix, in_fmi2)), content in zip(PLATFORMS.items(), compiled):
+        made.setdefault(f"binaries/{in_fmi2 if fmi == '2' else platform}/{model.NAME}{suffix}", []).append(content)
     return {"sources/guid.h": header,
             **{place: universal(*parts) if len(parts) > 1 else parts[0] for place, parts in made.items()}}

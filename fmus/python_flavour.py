@@ -47,7 +47,8 @@ def resources(model: ModuleType) -> dict[str, bytes]:
     All FMUs of a process share sys.modules, so each build's modules live in a package whose name carries
     a hash of their content: two different builds never run each other's code.
     """
-    sources = dict(sorted(model_files(model).items())) | {f"{HERE.name}/{name}": HERE / name for name in RUNTIME}
+    own = model_files(model, travelling=True)
+    sources = dict(sorted(own.items())) | {f"{HERE.name}/{name}": HERE / name for name in RUNTIME}
     texts = {name: path.read_text(encoding="utf-8") for name, path in sources.items()}
     package = f"{model.NAME}_{digest({name: text.encode() for name, text in texts.items()})[:12]}"
     tops = {name.split("/")[0].removesuffix(".py") for name in texts}

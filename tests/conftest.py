@@ -7,7 +7,7 @@ import pytest
 from hypothesis import settings
 
 from cosim.vehicle.registry import MODELS
-from fmus.build import build
+from fmus.builder import build
 
 # No deadline: a busy machine is no failure. In CI the same examples every time; elsewhere new ones are tried.
 settings.register_profile("here", deadline=None)

@@ -1,5 +1,6 @@
 """`ahv build`."""
 import sys
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -10,19 +11,21 @@ from ..vehicle.registry import MODELS
 
 
 def build(
-    models: Annotated[list[str] | None, typer.Argument(metavar="[MODEL]...", help=f"{', '.join(MODELS)}; else all.",
-                                                       show_default=False)] = None,
+    models: Annotated[list[str] | None, typer.Argument(
+        metavar="[MODEL]...", show_default=False,
+        help=f"{', '.join(MODELS)}; a model's file, such as my_model.py; or a module, such as my_package.my_model. "
+             "Without any, all that have names.")] = None,
     flavour: Annotated[str, typer.Option(help="python, native or all.")] = "all",
     fmi: Annotated[str, typer.Option(help="Version of FMI: 2, 3 or all. The Python flavour has 2 only.")] = "all",
+    out: Annotated[Path | None, typer.Option(help="Folder that gets FLAVOUR/NAME.fmu and native-fmi3/NAME.fmu, instead "
+                                             "of fmus/dist.", show_default=False)] = None,
 ) -> None:
-    """Write the FMU files to fmus/dist/FLAVOUR/, those of FMI 3.0 to fmus/dist/native-fmi3/."""
-    from fmus.build import FLAVOURS, versions
-    from fmus.build import build as build_one
+    """Write FMU files, of the models of this project or of your own (docs/building.md)."""
+    from fmus.builder import FLAVOURS, versions
+    from fmus.builder import build as build_one
     from fmus.check_model import ModelError
 
-    for name in models or []:
-        if name not in MODELS:
-            raise UsageError(f"There is no model {name}; there are {', '.join(MODELS)}.")
+    chosen = [model_source(name) for name in models or MODELS]
     choice("fmi", fmi, ("2", "3", "all"))
     kinds = FLAVOURS if flavour == "all" else [choice("flavour", flavour, [*FLAVOURS, "all"])]
     wanted = [(kind, version) for kind in kinds for version in versions(kind) if fmi in (version, "all")]
@@ -30,7 +33,17 @@ def build(
         raise UsageError(f"--fmi {fmi} has no FMU of the flavour {flavour}, which is for FMI {versions(flavour)[0]}.")
     try:
         for kind, version in wanted:
-            for name in models or MODELS:
-                print(build_one(MODELS[name], kind, fmi=version), file=sys.stderr)
+            for model in chosen:
+                print(build_one(model, kind, out, version), file=sys.stderr)
     except ModelError as error:
         raise UsageError(str(error)) from None
+
+
+def model_source(name: str) -> str:
+    """The module or file of the model `name`. Raises UsageError for a word that can be neither."""
+    if name in MODELS:
+        return MODELS[name]
+    if name.endswith(".py") or "." in name.strip("."):
+        return name
+    raise UsageError(f"There is no model {name}; there are {', '.join(MODELS)}; a model of your own is a file, such as "
+                     "my_model.py, or a module, such as my_package.my_model.")

@@ -129,7 +129,8 @@ def add_component(parent: Element, component: Component, file: FmuFile, place: s
         if variable.causality not in ("input", "output"):
             continue
         connector = SubElement(connectors, "ssd:Connector", name=variable.name, kind=variable.causality)
-        kind = SubElement(connector, f"ssc:{variable.type}")
+        # SSP 1.0 knows the types of FMI 2.0: a number of any width is Real or Integer.
+        kind = SubElement(connector, f"ssc:{variable.family}")
         if variable.type == "Enumeration":
             kind.set("name", variable.own.get("declaredType", ""))
         unit = file.description.unit_of(variable)
@@ -162,7 +163,7 @@ def parameter_set(name: str, component: Component, file: FmuFile) -> bytes:
     parent = SubElement(root, "ssv:Parameters")
     for key, given in component.values.items():
         value = file.checked(key, given, component.name)
-        kind = {"Enumeration": "Integer"}.get(file.variables[key].type, file.variables[key].type)
+        kind = {"Enumeration": "Integer"}.get(file.variables[key].family, file.variables[key].family)
         SubElement(SubElement(parent, "ssv:Parameter", name=key), f"ssv:{kind}", value=text(value))
     return xml(root)
 

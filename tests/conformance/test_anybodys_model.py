@@ -9,7 +9,7 @@ from flying import running, step
 
 import cosim.cli.app as cli
 from cosim.vehicle.registry import MODELS
-from fmus.build import build
+from fmus.builder import build
 from fmus.check_model import ModelError
 
 EQUATIONS = '''"""A tank drains through a valve."""

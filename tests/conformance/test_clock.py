@@ -6,7 +6,7 @@ import pytest
 from fmpy.fmi1 import FMICallException
 from native_loop import Loaded
 
-from fmus.build import build
+from fmus.builder import build
 
 SHOWN = ("now", "steps", "times", "length")
 

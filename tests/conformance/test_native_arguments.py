@@ -9,7 +9,7 @@ from fmpy.fmi2 import fmi2CallbackFunctions
 from test_native_refusals import DISCARD, ERROR, Talking
 
 from fmus import native_flavour
-from fmus.build import build
+from fmus.builder import build
 
 OK = 0
 CO_SIMULATION, MODEL_EXCHANGE = 1, 0

@@ -17,7 +17,7 @@ from places import ROOT
 
 from cosim.vehicle.registry import MODELS
 from fmus import native_compiler
-from fmus.build import build
+from fmus.builder import build
 from fmus.model_files import model_files
 from fmus.native_compiler import cc
 

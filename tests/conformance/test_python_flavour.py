@@ -11,7 +11,7 @@ from places import ROOT
 
 from cosim.errors import RunError
 from cosim.vehicle.registry import MODELS
-from fmus.build import build
+from fmus.builder import build
 
 
 @pytest.fixture(params=sorted(MODELS))
@@ -29,7 +29,7 @@ def test_fmpy_finds_nothing_wrong(fmu):
 
 def test_two_builds_of_the_same_source_are_byte_identical(fmu, tmp_path):
     again = subprocess.run(
-        [sys.executable, "-c", "import sys; from pathlib import Path; from fmus.build import build;"
+        [sys.executable, "-c", "import sys; from pathlib import Path; from fmus.builder import build;"
                                "build(sys.argv[1], 'python', Path(sys.argv[2]))", MODELS[fmu.stem], tmp_path],
         cwd=ROOT, env={"PYTHONHASHSEED": "7", "PATH": ""}, check=True)
     assert again.returncode == 0
@@ -82,7 +82,7 @@ def test_two_builds_in_one_process_each_run_their_own_code(tmp_path):
     copyfile(ROOT / "LICENSE", copy / "LICENSE")
     law = copy / "ahv_ctrl_fmu" / "neural.py"
     law.write_text(law.read_text().replace('"h_error": u.h - s.h_ref[0]', '"h_error": 42.0'))
-    subprocess.run([sys.executable, "-c", "import sys; from pathlib import Path; from fmus.build import build;"
+    subprocess.run([sys.executable, "-c", "import sys; from pathlib import Path; from fmus.builder import build;"
                                           "build(sys.argv[1], 'python', Path(sys.argv[2]))",
                     MODELS["AhvController"], copy], cwd=copy, check=True)
     original = build(MODELS["AhvController"], "python", tmp_path)

@@ -6,7 +6,7 @@ import sampled_model
 from native_loop import Loaded
 
 from cosim.conformance import check
-from fmus.build import build
+from fmus.builder import build
 
 SHOWN = ("seen", "runs", "at")
 

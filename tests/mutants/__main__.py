@@ -148,7 +148,7 @@ class Copy:
 
     def narrow(self, room: str, stage: str) -> None:
         """Build no FMUs but those that the stage needs, and as cheaply as it allows; small.c once only."""
-        building, flavour = import_module("fmus.build"), import_module("fmus.native_flavour")
+        building, flavour = import_module("fmus.builder"), import_module("fmus.native_flavour")
         assert str(building.__file__).startswith(str(self.root)), "the tests would not try the copy"
         every, small = stage.startswith("platforms "), import_module("small")
         compiled = small.library

@@ -18,7 +18,7 @@ from test_cases import ahv
 from cosim.vehicle.registry import LAWS
 from cosim.vehicle.tune import tune
 from cosim.vehicle.tune_flights import SETS, vehicles
-from fmus.build import build
+from fmus.builder import build
 
 SHORT = {"evaluations": 24, "draws": 3, "seed": 1}
 REFUSED = {

@@ -4,7 +4,7 @@ from types import ModuleType
 
 import pytest
 
-from fmus.build import build
+from fmus.builder import build
 from fmus.check_model import BACKEND, ModelError, checked_trace
 
 MODEL = '''

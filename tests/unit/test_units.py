@@ -39,6 +39,27 @@ def test_what_is_no_unit_is_refused_with_the_rule(text):
         si_base(text)
 
 
+@pytest.mark.parametrize(("unit", "factor"), [
+    ("mm", 1e-3), ("kPa", 1e3), ("km/h", 1 / 3.6), ("MW", 1e6), ("uF", 1e-6), ("mA.h", 3.6), ("L/min", 1e-3 / 60),
+    ("Mg", 1e3), ("cd", 1.0), ("min", 60.0), ("h", 3600.0), ("d", 86400.0), ("t", 1e3), ("rpm", 0.10471975511965977),
+    ("psi", 6894.757293168362), ("hp", 745.6998715822702), ("knot", 1852 / 3600), ("mph", 0.44704), ("atm", 101325.0)])
+def test_prefixes_and_further_units(unit, factor):
+    assert si_base(unit)[0] == pytest.approx(factor, rel=1e-14)
+
+
+@pytest.mark.parametrize("text", ["mmin", "kkg", "mkg", "kft", "kmm", "degC"])
+def test_a_prefix_stands_once_and_before_metric_units_only(text):
+    with pytest.raises(ValueError, match="is not known"):
+        si_base(text)
+
+
+def test_a_model_has_units_of_its_own():
+    own = {"furlong": (220, "yd"), "fortnight": (14, "d")}
+    assert si_base("furlong/fortnight", own) == (pytest.approx(201.168 / 1209600, rel=1e-15), {"m": 1, "s": -1})
+    with pytest.raises(ValueError, match="'furlong' is not known"):
+        si_base("furlong")
+
+
 def test_every_symbol_is_a_unit():
     assert all(si_base(symbol) for symbol in SYMBOLS)
 

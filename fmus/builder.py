@@ -1,11 +1,11 @@
 """Builds the FMU file of a model, in one flavour and for one version of FMI."""
-from importlib import import_module
 from importlib.metadata import distribution, version
 from pathlib import Path
 from types import ModuleType
 
 from . import description, description3, documentation, native_flavour, pack, places, python_flavour
 from .check_model import checked_trace
+from .load_model import loaded
 
 FLAVOURS = {"python": python_flavour, "native": native_flavour}
 DESCRIBE = {"2": description.model_description, "3": description3.model_description}  # FMI version -> its description
@@ -21,18 +21,23 @@ def folder(flavour: str, fmi: str = "2") -> str:
     return flavour if fmi == "2" else f"{flavour}-fmi{fmi}"
 
 
-def build(model: ModuleType | str, flavour: str, dist: Path | None = None, fmi: str = "2") -> Path:
+def build(model: ModuleType | Path | str, flavour: str = "native", dist: Path | str | None = None, fmi: str = "2"
+          ) -> Path:
     """Write `dist`/FOLDER/NAME.fmu, an FMU of FMI `fmi` (one of `versions`), and return its path. The same sources give
     the same bytes with the same versions of what makes the FMU, which `generationTool` names.
 
-    `model` is a module as `fmus.interface` describes it, or its dotted name; `flavour` is one of FLAVOURS; without
-    `dist` it is the folder that `places.written` names.
+    `model` is a module as `fmus.interface` describes it, its file (a Path, or text that ends in .py), or its dotted
+    name; `flavour` is native or python; without `dist` it is the folder that `places.written` names.
 
     Raises ModelError (`fmus.check_model`) for a mistake in the model, and RuntimeError where the C compiler is missing
     or fails.
     """
-    if isinstance(model, str):
-        model = import_module(model)
+    with loaded(model) as module:
+        return build_module(module, flavour, Path(dist or places.written()), fmi)
+
+
+def build_module(model: ModuleType, flavour: str, dist: Path, fmi: str) -> Path:
+    """As `build`, of a model that is loaded. Raises as `build` does."""
     maker = FLAVOURS[flavour]
     trace = checked_trace(model)
     code = maker.files(model, trace)
@@ -58,7 +63,7 @@ def build(model: ModuleType | str, flavour: str, dist: Path | None = None, fmi: 
         files["terminalsAndIcons/icon.png"] = icon
         files["terminalsAndIcons/terminalsAndIcons.xml"] = description3.terminals(model)
         files["sources/buildDescription.xml"] = description3.build_description(model, maker.FLAVOUR)
-    path = (dist or places.written()) / folder(flavour, fmi) / f"{model.NAME}.fmu"
+    path = dist / folder(flavour, fmi) / f"{model.NAME}.fmu"
     pack.write(path, files)
     return path
 
