@@ -22,8 +22,8 @@ from cosim.master.fly import fly
 from cosim.vehicle.closed_loop import closed_loop
 from cosim.vehicle.registry import LAWS
 from cosim.vehicle.scenarios import BUILT_IN
-from fmus.build import DIST
 from fmus.native_compiler import COMPILE, cc
+from fmus.places import found
 
 DOCS = Path(__file__).parent.parent / "docs"
 BOARD, PAGE = DOCS / "examples" / "board", DOCS / "board.md"
@@ -100,8 +100,7 @@ def sizes(link_map: str) -> tuple[dict[str, int], dict[str, int]]:
 
 def board(law: str, folder: Path) -> Board:
     """Build the image of `law` in `folder` and fly it. Raises RuntimeError where the compiler fails."""
-    fmu = DIST / "native" / f"{LAWS[law].fmu}.fmu"
-    with zipfile.ZipFile(fmu) as archive:
+    with zipfile.ZipFile(found("native", LAWS[law].fmu)) as archive:
         archive.extractall(folder)
     variables = fmpy.read_model_description(str(folder)).modelVariables
     outputs = [v.name for v in variables if v.causality == "output"]

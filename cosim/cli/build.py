@@ -19,11 +19,14 @@ def build(
     fmi: Annotated[str, typer.Option(help="Version of FMI: 2, 3 or all. The Python flavour has 2 only.")] = "all",
     out: Annotated[Path | None, typer.Option(help="Folder that gets FLAVOUR/NAME.fmu and native-fmi3/NAME.fmu, instead "
                                              "of fmus/dist.", show_default=False)] = None,
+    wasm: Annotated[bool, typer.Option("--wasm", help="Also WebAssembly of the native flavour: a module in wasm/, and "
+                                       "a component in the FMU of FMI 3.0 (docs/wasm.md).")] = False,
 ) -> None:
     """Write FMU files, of the models of this project or of your own (docs/building.md)."""
     from fmus.builder import FLAVOURS, versions
     from fmus.builder import build as build_one
     from fmus.check_model import ModelError
+    from fmus.wasm import add
 
     chosen = [model_source(name) for name in models or MODELS]
     choice("fmi", fmi, ("2", "3", "all"))
@@ -34,7 +37,10 @@ def build(
     try:
         for kind, version in wanted:
             for model in chosen:
-                print(build_one(model, kind, out, version), file=sys.stderr)
+                path = build_one(model, kind, out, version)
+                if wasm and kind == "native":
+                    add(path, version)
+                print(path, file=sys.stderr)
     except ModelError as error:
         raise UsageError(str(error)) from None
 

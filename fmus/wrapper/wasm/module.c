@@ -4,7 +4,7 @@
 
 #include "all.c"
 
-#define EXPORT(name) __attribute__((export_name(#name))) name
+#define EXPORT(name) __attribute__((export_name(#name))) wasm_##name
 
 static char last[SENTENCE];
 
