@@ -16,6 +16,7 @@ MANIFEST = """<?xml version="1.0" encoding="UTF-8"?>
 """
 
 TARGET = ["-target", "wasm32-wasi", "-mexec-model=reactor"]  # for its C library; nothing of the system is used
+STACK = ["-Wl,-z,stack-size=262144"]  # bytes; without it the linker reserves 16 MB
 MODULE = ["-DWITHOUT_FMI3", "-Wl,--export-dynamic", "-Wl,--export=malloc", "-Wl,--export=free"]
 
 
@@ -33,7 +34,7 @@ def compiled(fmu: dict[str, bytes], source: str, folder: Path, *flags: str) -> P
             (folder / Path(name).name).write_bytes(content)
     for file in WRAPPER.iterdir():
         (folder / file.name).write_bytes(file.read_bytes())
-    zig(folder, "cc", *TARGET, *COMPILE, "-s", *flags, "-o", "module.wasm", source, "-lm")
+    zig(folder, "cc", *TARGET, *COMPILE, "-s", *STACK, *flags, "-o", "module.wasm", source, "-lm")
     return folder / "module.wasm"
 
 

@@ -17,11 +17,12 @@ class Compiled:
         self.names = {v.name: v.valueReference for v in self.description.modelVariables}
         with zipfile.ZipFile(fmu) as archive:
             content = archive.read(f"binaries/wasm32-wasip2/{fmu.stem}.wasm")
+        self.token = self.description.guid or self.description.instantiationToken
         self.engine = Engine()
         self.component = Component(self.engine, content)
 
     def instance(self, kind: str = "co-simulation", token: str | None = None) -> "Instance":
-        return Instance(self, kind, token or self.description.guid or self.description.instantiationToken)
+        return Instance(self, kind, token or self.token)
 
 
 class Instance:
