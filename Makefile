@@ -6,7 +6,7 @@ UV := $(BIN)/python -m uv pip
 # Importers of others whose versions do not fit beside ours: an environment for each list.
 PEERS := $(patsubst requirements/peers/%.txt,.venv-peers/%/installed,$(wildcard requirements/peers/*.txt))
 
-.PHONY: setup build demo test lint slow mutants foreign-hosts peers docs lock oldest clean
+.PHONY: setup build dist demo test lint slow mutants foreign-hosts peers docs lock oldest clean
 
 # Everything: to build the native FMUs, to test and to develop.
 setup: .venv/everything
@@ -32,6 +32,12 @@ $(BIN)/python:
 build: setup
 	@echo "Building all FMUs in both flavours; the first time takes the compiler a few minutes."
 	$(BIN)/ahv build
+
+# A release: a wheel that carries the native FMUs, the FMUs of both FMI versions, checksums, a bill of materials.
+dist: build
+	rm -rf dist/release
+	$(BIN)/python -m hatchling build -t wheel -d dist/release
+	$(BIN)/python -m fmus.release dist/release
 
 # The README's first command: set up, build the FMUs, fly Case 1, then an uncertain vehicle with two laws; see results/.
 demo: .venv/flying
@@ -94,4 +100,4 @@ docs: setup
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet --strict
 
 clean:
-	rm -rf .venv .venv-oldest .venv-peers results fmus/dist site
+	rm -rf .venv .venv-oldest .venv-peers results dist fmus/dist site

@@ -3,7 +3,7 @@ from importlib.metadata import distribution, version
 from pathlib import Path
 from types import ModuleType
 
-from . import description, description3, documentation, native_flavour, pack, places, python_flavour
+from . import description, description3, documentation, experiments, native_flavour, pack, places, python_flavour
 from .check_model import checked_trace
 from .load_model import loaded
 
@@ -56,6 +56,7 @@ def build_module(model: ModuleType, flavour: str, dist: Path, fmi: str) -> Path:
     token = "{" + pack.digest({**files, **{each: describe(each, "") for each in versions(flavour)}})[:32] + "}"
     files["modelDescription.xml"] = describe(fmi, token)
     files.update(maker.binaries(model, code, token, fmi))
+    files.update(experiments.files(model))  # no part of the token: extra/ may change without making another FMU
     icon = documentation.icon(model)
     if fmi == "2":
         files["model.png"] = icon

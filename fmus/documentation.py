@@ -81,6 +81,7 @@ def page(model: ModuleType, trace: Trace) -> bytes:
         "<h2>Outputs</h2>", html_table(head, variable_rows(table, "output", "calculatedParameter")),
         "<h2>Parameters</h2>", html_table(head, variable_rows(table, "parameter")),
         "<h2>Presets</h2>", "<p>Sets of parameters, as SSP 1.0 parameter files.</p>", *presets,
+        '<p><a href="fmi-ls-ref.html">Related files</a>: what experiments travel in the FMU, with their results.</p>',
         "<h2>Wiring</h2>",
         "<p>Connect variables of one name and unit; an input left alone keeps its start value. What an output depends "
         "on at once decides the order in which components are stepped: one that depends on no input breaks a loop.</p>",

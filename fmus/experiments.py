@@ -35,7 +35,7 @@ def carried(model: ModuleType) -> dict[str, bytes]:
     found = {path.name: path.read_bytes() for path in sorted(folder.glob("*"))} if model.__file__ else {}
     for name in found:
         if not name.endswith(tuple(KINDS)):
-            raise ModelError(model, f"{name} in {folder} is no file of experiments: a name ends with {' or '.join(KINDS)}")
+            raise ModelError(model, f"{name} in {folder} is no file of experiments, which end in {' or '.join(KINDS)}")
     return found
 
 
@@ -70,8 +70,9 @@ def page(model: ModuleType) -> bytes:
 <table><tr><th>file</th><th>role</th><th>what it is</th></tr>
 {rows}
 </table>
-<p>To run an experiment: set the parameters of its parameter set and the inputs of the first row; initialise at the start
-time; then take steps of the step size, each with the inputs of the row at its start, held. The outputs after the step
-that ends at a row's time agree with the result within the tolerance, as a part of each variable's nominal value.</p>
+<p>To run an experiment: set the parameters of its parameter set and the inputs of the first row; initialise at the
+start time; then take steps of the step size, each with the inputs of the row at its start, held. The outputs after the
+step that ends at a row's time agree with the result within the tolerance, as a part of each variable's nominal
+value.</p>
 </body></html>
 """.encode()

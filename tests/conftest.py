@@ -44,3 +44,9 @@ def python_fmus() -> dict[str, Path]:
 def native_fmus() -> dict[str, Path]:
     """The native flavour's files, by model name."""
     return {name: build(module, "native") for name, module in MODELS.items()}
+
+
+@pytest.fixture(scope="session")
+def native_fmi3_fmus() -> dict[str, Path]:
+    """The native flavour's files of FMI 3.0, by model name."""
+    return {name: build(module, "native", fmi="3") for name, module in MODELS.items()}

@@ -6,6 +6,7 @@ from ..binary import BadBinary, Library, read_library
 from ..repeats import repeated
 from ..rule import static
 from ..subject import Fault, Fmu
+from ..versions import FMI3
 
 SOURCE_SUFFIXES = {".c", ".cc", ".cpp", ".cxx"}
 
@@ -71,8 +72,10 @@ def binary_present(fmu: Fmu) -> Iterator[Fault]:
 
 @static("binary.platform")
 def binary_platform(fmu: Fmu) -> Iterator[Fault]:
+    # FMI 2.0 has no names for Arm; those of FMI 3.0 are what importers can look for.
+    known = {*fmu.version.platforms, *(name for name in FMI3.platforms if name.startswith("aarch64-"))}
     for folder in platform_folders(fmu):
-        if folder.name not in fmu.version.platforms:
+        if folder.name not in known:
             yield Fault(f"binaries/{folder.name}", "a name that few tools look for", ", ".join(fmu.version.platforms))
 
 

@@ -110,6 +110,7 @@ def test_path_with_spaces_and_letters_beyond_ascii(tmp_path: Path) -> None:
 def test_our_own_fmus_have_no_error(fmu: Path) -> None:
     report = check(fmu, cycles=100, limits=PATIENT)
     assert report.passed, _told(report)
+    assert fmu.parent.name == "python" or _told(report) == []  # for the python flavour see the next test
 
 
 def test_what_is_wrong_with_the_python_flavour_is_named(python_fmus: dict[str, Path]) -> None:
@@ -122,10 +123,6 @@ def test_what_is_wrong_with_the_python_flavour_is_named(python_fmus: dict[str, P
     assert severity == "warning"
     assert re.fullmatch(r"fmi2Fatal in the state 'instantiated'.*; and 21 more such calls", text)
     assert found["dynamic.stop-time"] == ("warning", "fmi2Fatal for a step beyond the stop time 0.05")
-
-
-def test_nothing_is_wrong_with_the_native_flavour(native_fmus: dict[str, Path]) -> None:
-    assert _told(check(native_fmus["AhvPlant"], cycles=100, limits=PATIENT)) == []
 
 
 def test_pythonfmu_example_has_its_known_errors_and_no_others(tmp_path: Path) -> None:
