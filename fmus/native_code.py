@@ -23,23 +23,18 @@ def rates(trace: Trace) -> casadi.Function:
 
 
 def tangents(trace: Trace) -> list[casadi.Function]:
-    """Directional derivatives of outputs and rates: after initialisation with respect to u and the continuous states;
-    at the start, through the initial state, with respect to u and p, and of the initial continuous states as well."""
+    """Directional derivatives: `start_tangent` of the initial state with respect to u and p, `tangent` of outputs and
+    rates with respect to x, u and p."""
     n, derivative = trace.sizes, rates(trace)
-    count = derivative.size1_out(0)
-    t, x = casadi.SX.sym("t"), casadi.SX.sym("x", n["x"])
-    u, p = casadi.SX.sym("u", n["u"]), casadi.SX.sym("p", n["p"])
-    dx, du, dp = casadi.SX.sym("dx", count), casadi.SX.sym("du", n["u"]), casadi.SX.sym("dp", n["p"])
+    t = casadi.SX.sym("t")
+    (x, dx), (u, du), (p, dp) = ((casadi.SX.sym(k, n[k]), casadi.SX.sym(f"d{k}", n[k])) for k in "xup")
 
     def along(expression: casadi.SX, variables: list[casadi.SX], direction: list[casadi.SX]) -> casadi.SX:
         return casadi.densify(casadi.jtimes(expression, casadi.vertcat(*variables), casadi.vertcat(*direction)))
 
-    x0, zeros = trace.start(u, p), casadi.SX.zeros(n["x"] - count)
-    after = [along(f(t, x, u, p), [u, x], [du, dx, zeros]) for f in (trace.outputs, derivative)]
-    start = [along(e, [u, p], [du, dp])
-             for e in (trace.outputs(t, x0, u, p), derivative(t, x0, u, p), x0[:count])]
-    return [casadi.Function("tangent", [t, x, u, p, du, dx], after),
-            casadi.Function("start_tangent", [t, u, p, du, dp], start)]
+    after = [along(f(t, x, u, p), [x, u, p], [dx, du, dp]) for f in (trace.outputs, derivative)]
+    return [casadi.Function("start_tangent", [u, p, du, dp], [along(trace.start(u, p), [u, p], [du, dp])]),
+            casadi.Function("tangent", [t, x, u, p, dx, du, dp], after)]
 
 
 def internal_function(name: str, body: str) -> str:

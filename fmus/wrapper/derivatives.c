@@ -2,21 +2,25 @@
    continuous states; before its end through the initial state, with respect to inputs and parameters. */
 
 typedef struct {
-    double u[LENGTH(NU)], p[LENGTH(NP)], x[LENGTH(NS)];
+    double x[LENGTH(NX)], u[LENGTH(NU)], p[LENGTH(NP)];
 } Direction;
 
 typedef struct {
-    double y[LENGTH(NY)], rates[LENGTH(NS)], x[LENGTH(NS)];
+    double y[LENGTH(NY)], rates[LENGTH(NS)], x[LENGTH(NX)];
 } Response;
 
-static void respond(const State *s, const Direction *d, Response *response)
+static void respond(const State *s, Direction *d, Response *response)
 {
-    if (s->phase < STEPPING)
-        model_start_tangent((const double *[]){&s->time, s->u, s->p, d->u, d->p},
-                            (double *[]){response->y, response->rates, response->x});
-    else
-        model_tangent((const double *[]){&s->time, s->x, s->u, s->p, d->u, d->x},
-                      (double *[]){response->y, response->rates});
+    double start[LENGTH(NX)];
+    const double *x = s->x;
+    if (s->phase < STEPPING) {
+        model_start((const double *[]){s->u, s->p}, (double *[]){start});
+        model_start_tangent((const double *[]){s->u, s->p, d->u, d->p}, (double *[]){d->x});
+        x = start;
+    }
+    memcpy(response->x, d->x, sizeof d->x);
+    model_tangent((const double *[]){&s->time, x, s->u, s->p, d->x, d->u, d->p},
+                  (double *[]){response->y, response->rates});
 }
 
 /* Where the known `v` stands in a direction, or NULL if it is no known now. */

@@ -48,6 +48,9 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
     }
     if (!host.allocate || !host.release)
         return not_instantiated(&host, instanceName, MODEL_NAME " needs the callbacks allocateMemory and freeMemory");
+    if (fmuType != fmi2ModelExchange && fmuType != fmi2CoSimulation)
+        return not_instantiated(&host, instanceName, MODEL_NAME " is for model exchange or co-simulation, not type %d",
+                                (int)fmuType);
     return instantiate(&host, FMI2_MAGIC, fmuType == fmi2ModelExchange ? MODEL_EXCHANGE : CO_SIMULATION, instanceName,
                        fmuGUID, "GUID");
 }

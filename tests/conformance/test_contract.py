@@ -1,123 +1,30 @@
 """Both flavours against the one table of answers (`contract`): each call, in each state, and what it leaves behind."""
-import ctypes
 import math
 import re
-import shutil
-from ctypes import byref, c_char_p, c_double, c_int, c_size_t, c_uint, c_void_p
-from pathlib import Path
-from types import SimpleNamespace
+from ctypes import byref, c_char_p, c_double, c_int, c_size_t, c_void_p
 
-import fmpy
 import pytest
 from contract import FATAL, ROWS, STATES
+from talk import (
+    DO_STEP_STATUS,
+    EMPTY,
+    LAST_SUCCESSFUL_TIME,
+    MODEL_EXCHANGE,
+    NO_ARRAY,
+    NO_VARIABLE,
+    PENDING_STATUS,
+    STEP,
+    STOP,
+    TERMINATED,
+    Library,
+    Talk,
+    Talk3,
+    of,
+)
 
-import ahv_plant_fmu.model as plant
-from cosim.conformance.fmi2 import ALLOCATE, FREE, LOGGER, Callbacks
-from fmus.interface import variables
+from fmus.native_flavour import HEADERS
 
-ANSWERS = ("OK", "warning", "discard", "error", "fatal")
-TABLE = {v.name: v for v in variables(plant.VARIABLES)}
-REALS = [v.value_reference for v in TABLE.values() if v.type == "Real"]
-LAST_SUCCESSFUL_TIME, TERMINATED, DO_STEP_STATUS, PENDING_STATUS = 2, 3, 0, 1
-STEP, STOP = 0.01, 1e5
 IN_THE_NAME = 10  # a byte of what tells whose state it is: of the size or of the package's name
-NO_ARRAY = ctypes.POINTER(c_double)()
-EMPTY = (c_double * 1)()
-
-
-def of(*names):
-    """References of variables as C wants them."""
-    return (c_uint * len(names))(*(TABLE[name].value_reference if isinstance(name, str) else name for name in names))
-
-
-class Talk:
-    """One instance, called raw; `said` has (status, text) of its messages."""
-
-    def __init__(self, file, name="talk", guid=None, kind=1):
-        self.dll, self.said = file.dll, []
-        self.callbacks = Callbacks(LOGGER(self.log), ALLOCATE(("calloc", ctypes.CDLL(None))),
-                                   FREE(("free", ctypes.CDLL(None))), None, None)
-        self.dll.fmi2Instantiate.restype = c_void_p
-        self.component = self.dll.fmi2Instantiate(
-            name.encode(), kind, (guid or file.guid).encode(), file.resources.encode(), byref(self.callbacks), 0, 1)
-        self.time = 0.0
-
-    def log(self, _environment, _name, status, _category, text):
-        self.said.append((ANSWERS[status], text.decode()))
-
-    def call(self, name, *arguments):
-        return ANSWERS[self.dll[f"fmi2{name}"](c_void_p(self.component), *arguments)]
-
-    def setup(self, start=0.0, stop=STOP):
-        return self.call("SetupExperiment", 0, c_double(0), c_double(start), 1, c_double(stop))
-
-    def step(self, size=STEP, time=None):
-        return self.call("DoStep", c_double(self.time if time is None else time), c_double(size), 0)
-
-    def get(self, kind, *names):
-        self.values = ({"Real": c_double, "String": c_char_p}.get(kind, c_int) * (len(names) or 1))()
-        return self.call(f"Get{kind}", of(*names), c_size_t(len(names)), self.values)
-
-    def set(self, kind, **values):
-        packed = (c_double if kind == "Real" else c_int) * len(values)
-        return self.call(f"Set{kind}", of(*values), c_size_t(len(values)), packed(*values.values()))
-
-    def everything(self):
-        values = (c_double * len(REALS))()
-        assert self.call("GetReal", of(*REALS), c_size_t(len(REALS)), values) == "OK"
-        return list(values)
-
-    def bring_to(self, state):
-        place = STATES.index(state)
-        done = [lambda: self.setup(), lambda: self.call("EnterInitializationMode"),
-                lambda: self.call("ExitInitializationMode"), lambda: self.step(), lambda: self.call("Terminate")]
-        for act in done[:(0, 2, 4, 5)[place]]:
-            assert act() == "OK", self.said
-        self.time = STEP if place >= 2 else 0.0
-
-    def state(self):
-        found = c_void_p()
-        assert self.call("GetFMUstate", byref(found)) == "OK"
-        return found
-
-    def blob(self, short=0):
-        """A serialised state in a buffer that is `short` bytes too small, and what the call answered."""
-        state, size = self.state(), c_size_t()
-        assert self.call("SerializedFMUstateSize", state, byref(size)) == "OK"
-        buffer = (ctypes.c_char * (size.value - short))()
-        return buffer, self.call("SerializeFMUstate", state, buffer, c_size_t(size.value - short))
-
-    def unpacked(self, changed=None):
-        """A state deserialised from bytes of which one may be changed, and what the call answered."""
-        buffer, _ = self.blob()
-        if changed is not None:
-            buffer[changed] = bytes([buffer[changed][0] ^ 1])
-        state = c_void_p()
-        return state, self.call("DeSerializeFMUstate", buffer, c_size_t(len(buffer)), byref(state))
-
-    def put_back(self, changed):
-        """What fmi2SetFMUstate answers to what was made of bytes of which one is changed."""
-        state, _ = self.unpacked(changed)
-        self.said.clear()
-        return self.call("SetFMUstate", state)
-
-    def derivative(self, unknown, known):
-        return self.call("GetDirectionalDerivative", of(unknown), c_size_t(1), of(known), c_size_t(1),
-                         (c_double * 1)(1.0), EMPTY)
-
-    def status(self, name, kind):
-        return self.call(name, kind, (c_double * 1)())
-
-    def log_category(self, name):
-        return self.call("SetDebugLogging", 1, c_size_t(1), (c_char_p * 1)(name.encode()))
-
-    def after(self, act, starts=True, **values):
-        """What `act` answers after a set that may be refused; the model may not be able to start from the values."""
-        self.set("Real", **values)
-        self.before = self.everything() if starts else None
-        self.said.clear()
-        return act()
-
 
 ACTS = {
     ("SetupExperiment", "with start and stop"): lambda f: f.setup(),
@@ -151,7 +58,7 @@ ACTS = {
     ("GetReal", "an input and a parameter"): lambda f: f.get("Real", "elevator", "mass"),
     ("GetReal", "nothing"): lambda f: f.get("Real"),
     ("GetReal", "nothing, without arrays"): lambda f: f.call("GetReal", NO_ARRAY, c_size_t(0), NO_ARRAY),
-    ("GetReal", "no variable"): lambda f: f.get("Real", len(TABLE)),
+    ("GetReal", "no variable"): lambda f: f.get("Real", NO_VARIABLE),
     ("GetReal", "a Boolean"): lambda f: f.get("Real", "start_at_trim"),
     ("GetReal", "into a null pointer"): lambda f: f.call("GetReal", of("V"), c_size_t(1), NO_ARRAY),
     ("GetBoolean", "a parameter"): lambda f: f.get("Boolean", "start_at_trim"),
@@ -171,7 +78,7 @@ ACTS = {
     ("SetReal", "V = 8000"): lambda f: f.set("Real", V=8000.0),
     ("SetReal", "theta_trim = 0.1"): lambda f: f.set("Real", theta_trim=0.1),
     ("SetReal", "nothing"): lambda f: f.set("Real"),
-    ("SetReal", "no variable"): lambda f: f.call("SetReal", of(len(TABLE)), c_size_t(1), EMPTY),
+    ("SetReal", "no variable"): lambda f: f.call("SetReal", of(NO_VARIABLE), c_size_t(1), EMPTY),
     ("SetReal", "a Boolean"): lambda f: f.set("Real", start_at_trim=1.0),
     ("SetReal", "from a null pointer"): lambda f: f.call("SetReal", of("elevator"), c_size_t(1), NO_ARRAY),
     ("SetBoolean", "start_at_trim = false"): lambda f: f.set("Boolean", start_at_trim=0),
@@ -210,37 +117,40 @@ ACTS = {
     ("SetDebugLogging", "no category of ours"): lambda f: f.log_category("nonsense"),
 }
 INSTANTIATIONS = {
-    "for co-simulation": {}, "another GUID": {"guid": "{wrong}"}, "for model exchange": {"kind": 0},
+    "for co-simulation": {}, "another GUID": {"guid": "{wrong}"}, "for model exchange": {"kind": MODEL_EXCHANGE},
     "without a name": {"name": ""},
 }
 PLACES = [(call, argument, state) for call, argument, *_ in ROWS if call != "Instantiate" for state in STATES]
-ANSWERED = {"native": 2, "python": 3}
+# Kind of FMU -> (fixture, folder of its library, how it is talked to, the column of its answers).
+KINDS = {"native": ("native_fmus", "linux64", Talk, 2), "native-fmi3": ("native_fmi3_fmus", "x86_64-linux", Talk3, 2),
+         "python": ("python_fmus", "linux64", Talk, 3)}
+NOT_IN_FMI3 = ("CancelStep", "SetRealInputDerivatives", "GetStatus", "GetRealStatus", "GetBooleanStatus",
+               "GetIntegerStatus", "GetStringStatus")
 
 
-def answers(flavour):
-    """{(call, argument, state): answer} of a flavour; instantiation is in no state."""
-    return {(row[0], row[1], state): answer for row in ROWS
-            for state, answer in zip(STATES if row[0] != "Instantiate" else ("",), row[ANSWERED[flavour]].split(),
+def answers(kind):
+    """{(call, argument, state): answer} of a kind of FMU; instantiation is in no state."""
+    return {(row[0], row[1], state): "-" if kind == "native-fmi3" and row[0] in NOT_IN_FMI3 else answer for row in ROWS
+            for state, answer in zip(STATES if row[0] != "Instantiate" else ("",), row[KINDS[kind][3]].split(),
                                      strict=True)}
 
 
-@pytest.fixture(scope="module", params=ANSWERED)
+@pytest.fixture(scope="module", params=KINDS)
 def file(request):
-    """A flavour's plant, unpacked and loaded."""
-    path = request.getfixturevalue(f"{request.param}_fmus")["AhvPlant"]
-    folder = Path(fmpy.extract(str(path)))
-    yield SimpleNamespace(guid=fmpy.read_model_description(str(path)).guid, answers=answers(request.param),
-                          dll=ctypes.CDLL(str(folder / "binaries" / "linux64" / "AhvPlant.so")),
-                          resources=(folder / "resources").as_uri())
-    shutil.rmtree(folder)
+    """The plant of a kind, unpacked and loaded."""
+    fixture, folder, talk, _ = KINDS[request.param]
+    library = Library(request.getfixturevalue(fixture)["AhvPlant"], folder)
+    library.answers, library.talk, library.has_status = answers(request.param), talk, talk is Talk
+    yield library
+    library.close()
 
 
 @pytest.mark.parametrize("argument", INSTANTIATIONS)
 def test_instantiation(file, argument):
-    made = Talk(file, **INSTANTIATIONS[argument])
+    made = file.talk(file, **INSTANTIATIONS[argument])
     assert ("OK" if made.component else "null") == file.answers["Instantiate", argument, ""]
     assert bool(made.said) != bool(made.component)
-    file.dll.fmi2FreeInstance(c_void_p(made.component))
+    made.free()
 
 
 @pytest.mark.parametrize(("call", "argument", "state"), PLACES)
@@ -249,7 +159,7 @@ def test_each_call_in_each_state(file, call, argument, state):
     expected = file.answers[call, argument, state]
     if expected == "-":
         return
-    fmu = Talk(file)
+    fmu = file.talk(file)
     fmu.bring_to(state)
     fmu.before = fmu.everything()
     fmu.said.clear()
@@ -265,27 +175,26 @@ def test_each_call_in_each_state(file, call, argument, state):
     assert fmu.call("Reset") == "OK"
     fmu.bring_to("stepping")
     assert fmu.call("Terminate") == "OK"
-    file.dll.fmi2FreeInstance(c_void_p(fmu.component))
+    fmu.free()
 
 
 def test_outputs_can_be_read_before_anything_is_set_and_again_after_a_reset(file):
     """As they are after initialisation with the start values."""
-    fmu = Talk(file)
+    fmu = file.talk(file)
     first = fmu.everything()
     fmu.bring_to("stepping")
     assert fmu.everything() != first
     assert fmu.call("Reset") == "OK" and fmu.everything() == first
     fmu.set("Real", V_start=8000.0)
     assert fmu.call("Reset") == "OK"
-    fmu.setup()
-    fmu.call("EnterInitializationMode")
+    fmu.bring_to("initialising")
     fmu.call("ExitInitializationMode")
     assert fmu.everything() == first and 7700.0 in first
-    file.dll.fmi2FreeInstance(c_void_p(fmu.component))
+    fmu.free()
 
 
 def test_an_input_that_was_refused_is_taken_once_it_is_a_number(file):
-    fmu = Talk(file)
+    fmu = file.talk(file)
     fmu.bring_to("initialising")
     fmu.set("Real", elevator=math.nan, fuel_ratio=0.3)
     assert fmu.get("Real", "elevator", "fuel_ratio") == "OK"
@@ -297,23 +206,26 @@ def test_an_input_that_was_refused_is_taken_once_it_is_a_number(file):
     assert fmu.step() != "OK"
     fmu.set("Real", elevator=0.2)
     assert fmu.step() == "OK"
-    file.dll.fmi2FreeInstance(c_void_p(fmu.component))
+    fmu.free()
 
 
 def test_a_step_that_is_refused_is_no_end_of_the_simulation(file):
     """What can be asked afterwards: fmi2Terminated is false, and the last successful time is that of the last step."""
-    fmu, time, ended = Talk(file), c_double(), c_int(7)
+    fmu, time, ended = file.talk(file), c_double(), c_int(7)
     fmu.bring_to("stepping")
     for act in (lambda: fmu.step(0.0), lambda: fmu.step(time=math.nan), lambda: fmu.step(time=STOP)):
         assert act() != "OK"
+        if not file.has_status:
+            assert (fmu.reached.value, [flag.value for flag in fmu.flags]) == (STEP, [False] * 3)
+            continue
         assert fmu.call("GetBooleanStatus", TERMINATED, byref(ended)) == "OK" and ended.value == 0
         assert fmu.call("GetRealStatus", LAST_SUCCESSFUL_TIME, byref(time)) == "OK" and time.value == STEP
-    file.dll.fmi2FreeInstance(c_void_p(fmu.component))
+    fmu.free()
 
 
 def test_every_call_of_the_standard_is_in_the_table():
     called = {call for call, *_ in ROWS} | {"FreeInstance", "GetTypesPlatform", "GetVersion", "SerializedFMUstateSize"}
-    header = (Path(fmpy.__file__).parent / "c-code" / "fmi2FunctionTypes.h").read_text()
+    header = (HEADERS / "fmi2FunctionTypes.h").read_text()
     model_exchange = {"EnterEventMode", "NewDiscreteStates", "EnterContinuousTimeMode", "CompletedIntegratorStep",
                       "SetTime", "SetContinuousStates", "GetDerivatives", "GetEventIndicators", "GetContinuousStates",
                       "GetNominalsOfContinuousStates"}
