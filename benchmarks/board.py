@@ -37,6 +37,7 @@ PROCESSOR = ["-mcpu=cortex_m7+fp_armv8d16"]  # with its floating-point unit for 
 SMALL = ["-ffunction-sections", "-fdata-sections", "-fno-unwind-tables", "-fno-asynchronous-unwind-tables"]
 FLAGS = [*(flag for flag in COMPILE if flag != "-fPIC"), "-Wall", "-Wextra", *PROCESSOR, *SMALL,
          f"-isystem{PICOLIBC}/include"]
+ONE_DOOR = "-DWITHOUT_FMI3"  # that of FMI 2.0 takes its memory from the arena
 LINK = ["-nostdlib", "-rtlib=compiler-rt", "-s", "-Wl,--gc-sections", "-Wl,--print-map"]
 
 STEP, ARENA = 0.01, 16384  # s, bytes
@@ -108,7 +109,7 @@ def board(law: str, folder: Path) -> Board:
     flight(law, outputs).astype("<f8").tofile(folder / "flight.bin")
     sources = [folder / "sources" / "all.c", BOARD / "main.c", BOARD / "replay.c"]
     archives = [LIBRARIES / f"lib{name}.a" for name in ("c", "m", "semihost")]
-    printed = cc(*FLAGS, *LINK, f"-I{folder}", f"-I{folder / 'sources'}", "-o", folder / "board.elf", *sources,
+    printed = cc(*FLAGS, ONE_DOOR, *LINK, f"-I{folder}", f"-I{folder / 'sources'}", "-o", folder / "board.elf", *sources,
                  LIBRARIES / "crt0-semihost.o", "-Wl,--start-group", *archives, "-Wl,--end-group",
                  "-T", BOARD / "board.ld", target=TARGET)
     done = subprocess.run([*EMULATOR, folder / "board.elf"], cwd=folder, stdin=subprocess.DEVNULL,
