@@ -109,8 +109,8 @@ def board(law: str, folder: Path) -> Board:
     flight(law, outputs).astype("<f8").tofile(folder / "flight.bin")
     sources = [folder / "sources" / "all.c", BOARD / "main.c", BOARD / "replay.c"]
     archives = [LIBRARIES / f"lib{name}.a" for name in ("c", "m", "semihost")]
-    printed = cc(*FLAGS, ONE_DOOR, *LINK, f"-I{folder}", f"-I{folder / 'sources'}", "-o", folder / "board.elf", *sources,
-                 LIBRARIES / "crt0-semihost.o", "-Wl,--start-group", *archives, "-Wl,--end-group",
+    printed = cc(*FLAGS, ONE_DOOR, *LINK, f"-I{folder}", f"-I{folder / 'sources'}", "-o", folder / "board.elf",
+                 *sources, LIBRARIES / "crt0-semihost.o", "-Wl,--start-group", *archives, "-Wl,--end-group",
                  "-T", BOARD / "board.ld", target=TARGET)
     done = subprocess.run([*EMULATOR, folder / "board.elf"], cwd=folder, stdin=subprocess.DEVNULL,
                           capture_output=True, text=True, timeout=300)

@@ -3,8 +3,8 @@ words. A pair of an array and its length is a list, a pair of a truth and a valu
 pointers beside a status is a result."""
 
 WORLD = "fmu"
-TYPES = {"float32": "f32", "float64": "f64", "int8": "s8", "int16": "s16", "int32": "s32", "int64": "s64", "uint8": "u8",
-         "uint16": "u16", "uint32": "u32", "uint64": "u64", "boolean": "bool", "string": "string",
+TYPES = {"float32": "f32", "float64": "f64", "int8": "s8", "int16": "s16", "int32": "s32", "int64": "s64",
+         "uint8": "u8", "uint16": "u16", "uint32": "u32", "uint64": "u64", "boolean": "bool", "string": "string",
          "binary": "list<u8>", "clock": "bool"}
 CLOCKS = {"interval-decimal": ("f64", "intervals", True), "interval-fraction": ("interval-fraction", "intervals", True),
           "shift-decimal": ("f64", "shifts", False), "shift-fraction": ("interval-fraction", "shifts", False)}

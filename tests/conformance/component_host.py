@@ -26,7 +26,7 @@ class Compiled:
 
 
 class Instance:
-    """A `kind` instance in a store of its own; `said` has what it logged: (instance name, status, category, message)."""
+    """A `kind` instance in a store of its own; `said`: what it logged, (instance name, status, category, message)."""
 
     def __init__(self, compiled: Compiled, kind: str, token: str):
         self.kind, self.compiled, self.said = kind, compiled, []

@@ -102,10 +102,11 @@ def test_refusals_are_said_and_what_no_model_has_is_refused(compiled):
     assert other.resource is None and other.said[-1][:2] == ("the instance", "error")
     instance = started(compiled["AhvController"], **TRIM)
     assert instance.call("set-float64", [names["fuel_ratio"]], [1.0]) == "error"
-    assert instance.said[-1] == ("the instance", "error", "logStatusError", "fuel_ratio is an output and may not be set")
+    said = "fuel_ratio is an output and may not be set"
+    assert instance.said[-1] == ("the instance", "error", "logStatusError", said)
     assert instance.call("set-debug-logging", True, ["logStatusError", "logAll"]) == "ok"
-    for kind in ("float32", "int8", "int16", "int32", "int64", "uint8", "uint16", "uint32", "uint64", "string", "binary",
-                 "clock", "interval-decimal", "interval-fraction", "shift-decimal", "shift-fraction"):
+    for kind in ("float32", "int8", "int16", "int32", "int64", "uint8", "uint16", "uint32", "uint64", "string",
+                 "binary", "clock", "interval-decimal", "interval-fraction", "shift-decimal", "shift-fraction"):
         assert instance.call(f"get-{kind}", [0]) == "error", kind
         assert "no" in instance.said[-1][3]
         assert not instance.call(f"get-{kind}", [])
