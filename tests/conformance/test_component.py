@@ -1,8 +1,11 @@
 """The FMUs of FMI 3.0 as components of the draft FMI-LS-WASM, in wasmtime: docs/wasm.md."""
+import sys
+import zipfile
 from pathlib import Path
 
 import numpy as np
 import pytest
+from native_host import run
 
 from cosim.library import check
 from cosim.vehicle.registry import MODELS
@@ -83,6 +86,13 @@ def test_a_state_goes_out_and_comes_back(compiled):
     assert there[0] == there[1]
     assert instance.call("set-fmu-state", state[:-1]) == "error"
     assert "none of this AhvController" in instance.said[-1][3]
+
+
+def test_its_version(compiled):
+    instance = compiled["AhvScenario"].instance()
+    common = instance.raw.get_export_index(instance.store, component_host.PACKAGE.format("common"))
+    index = instance.raw.get_export_index(instance.store, "get-version", common)
+    assert instance.raw.get_func(instance.store, index)(instance.store) == "3.0"
 
 
 def test_derivatives_both_ways(compiled):
@@ -168,6 +178,14 @@ def test_an_fmu_with_a_component_is_sound_and_flies_as_before(fmus):
     report = check(fmus["AhvController"])
     assert report.ran and not report.fails("warning")
     assert [f.rule for f in report.findings if "wasm32" in f.variable + f.found] == ["binary.platform"]
+
+
+def test_the_command_writes_both(tmp_path):
+    run(Path(sys.executable).parent / "ahv", "build", "AhvScenario", "--flavour", "native", "--wasm", "--out", tmp_path)
+    assert (tmp_path / "wasm" / "AhvScenario.wasm").read_bytes()[:4] == b"\0asm"
+    with zipfile.ZipFile(tmp_path / "native-fmi3" / "AhvScenario.fmu") as fmu:
+        assert {"binaries/wasm32-wasip2/AhvScenario.wasm", "extra/org.modelica.fmi-ls-wasm/manifest.xml"} <= set(
+            fmu.namelist())
 
 
 def test_the_same_sources_give_the_same_component(fmus):
