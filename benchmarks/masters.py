@@ -20,8 +20,9 @@ OUT = Path("results") / "bench"
 
 def ours(ssp: Path, step: float, ticks: int) -> dict[str, float]:
     """Jacobi, all connected outputs recorded; also the share of a tick that is not our own."""
+    import ctypes
+
     import numpy as np
-    from numba import cfunc
 
     from cosim.master import program as P
     from cosim.master.algorithms import method
@@ -30,6 +31,7 @@ def ours(ssp: Path, step: float, ticks: int) -> dict[str, float]:
     from cosim.master.loaded import Master, open_files
     from cosim.master.recording import CHUNK_ROWS, Recorder
     from cosim.ssp.load import load_ssp
+    from fmus.native_compiler import cc
 
     with load_ssp(ssp) as found:
         system = found
@@ -38,8 +40,10 @@ def ours(ssp: Path, step: float, ticks: int) -> dict[str, float]:
         flight = fly(system, step, ticks * step, "jacobi", record=names)
         assert flight.finished, flight.message
 
-        nothing = cfunc("int32(int64,int64,int64,int64)")(lambda a, b, c, d: 0).address
-        no_step = cfunc("int32(int64,float64,float64,int32)")(lambda a, b, c, d: 0).address
+        empty_library = ssp.with_name("nothing.so")
+        empty_library.with_suffix(".c").write_text("int nothing(void) { return 0; }")
+        cc("-O2", "-shared", "-fPIC", empty_library.with_suffix(".c"), "-o", empty_library)
+        nothing = ctypes.cast(ctypes.CDLL(str(empty_library)).nothing, ctypes.c_void_p).value
         with open_files(system) as files:
             master = Master(system, files, names)
             chosen, recorder = method("jacobi"), Recorder(master.columns)
@@ -57,7 +61,7 @@ def ours(ssp: Path, step: float, ticks: int) -> dict[str, float]:
                 return float(np.median(found))
 
             real = chunk()
-            master.wiring.groups[:, P.CALL], master.wiring.components[:, P.DO_STEP] = nothing, no_step
+            master.wiring.groups[:, P.CALL], master.wiring.components[:, P.DO_STEP] = nothing, nothing
             empty = chunk()
             master.close()
     return {"us": 1e6 * flight.wall_s / ticks, "share_in_fmus": 1 - empty / real}

@@ -1,11 +1,12 @@
 """The mathematics backend on plain floats: what a model's equations may call, and nothing more.
 
 `fmus.symbols` has the same names on CasADi symbols. Every function takes and returns single numbers;
-`integrate` works on lists of them.
+`integrate` and `interpolate` work on lists of them too.
 """
 from math import asin, ceil, cos, exp, fabs, floor, log, sin, sqrt, tan  # noqa: F401
 
 from .integrators import integrate  # noqa: F401
+from .lookup import interpolated as _interpolated
 
 
 def where(condition: bool, yes: float, no: float) -> float:
@@ -36,3 +37,9 @@ def both(a: bool, b: bool) -> bool:
 def either(a: bool, b: bool) -> bool:
     """Whether one of the conditions holds, or both."""
     return a or b
+
+
+def interpolate(at: float, points: list[float], values: list[float], extrapolate: bool = False) -> float:
+    """The value at `at` of a lookup table, on straight lines between its points; beyond them the last value, or
+    with `extrapolate` the last line. The points increase; `values` has one for each. Raises ValueError otherwise."""
+    return float(_interpolated(where, at, points, values, extrapolate))

@@ -19,6 +19,7 @@ from casadi import (  # noqa: F401
 )
 
 from .integrators import integrate  # noqa: F401
+from .lookup import interpolated as _interpolated
 
 both = logic_and
 either = logic_or
@@ -32,3 +33,10 @@ def where(condition: SX | bool, yes: SX | float, no: SX | float) -> SX:
 def clip(value: SX | float, low: SX | float, high: SX | float) -> SX:
     """`value` within [low, high]."""
     return if_else(value < low, low, if_else(value > high, high, value))
+
+
+def interpolate(at: SX | float, points: list[float], values: list[SX | float], extrapolate: bool = False) -> SX:
+    """The value at `at` of a lookup table, as in `fmus.floats`: the points are numbers, the values symbols too.
+    Raises ValueError as there."""
+    result: SX = _interpolated(where, at, points, values, extrapolate)
+    return result

@@ -4,13 +4,13 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
-PACKAGES = ("fmpy", "numba", "numpy")
+PACKAGES = ("fmpy", "numpy")
 
 
 def own(folder: Path) -> str:
-    """SHA-256 of the Python files below `folder`, names and contents."""
+    """SHA-256 of the Python and C files below `folder`, names and contents."""
     digest = hashlib.sha256()
-    for path in sorted(folder.rglob("*.py")):
+    for path in sorted((*folder.rglob("*.py"), *folder.rglob("*.c"))):
         content = path.read_bytes()
         digest.update(f"{path.relative_to(folder).as_posix()} {len(content)}\n".encode() + content)
     return digest.hexdigest()

@@ -7,6 +7,7 @@ import ast
 import math
 import operator
 from collections.abc import Callable, Mapping
+from functools import lru_cache
 from typing import Annotated, Any
 
 from pydantic import AfterValidator
@@ -52,6 +53,7 @@ def shown(text: str) -> str:
     return text if len(text) <= 100 else f"{text[:60]} ... {text[-30:]}"
 
 
+@lru_cache
 def parse(text: str) -> ast.expr:
     """The tree of an expression that is true or false. Raises ValueError for anything else."""
     if len(text) > MOST_CHARACTERS:

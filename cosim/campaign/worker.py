@@ -19,6 +19,7 @@ from ..master.algorithms import method
 from ..master.flight import Flight
 from ..master.fly import fly_loaded
 from ..master.loaded import Master, open_files
+from ..master.recording import Whole
 from ..master.system import System, Value
 from ..master.whole_file import whole
 from ..temporary import FULL
@@ -140,6 +141,7 @@ class LoadedSystems:
     def __init__(self, job: Job, folder: Path):
         self.job, self.folder = job, folder
         self.masters: dict[str, tuple[Master, ExitStack]] = {}
+        self.recorders: dict[str, Whole] = {}
 
     def system(self, law: str, values: dict[str, Value]) -> System:
         """The system of a law with `values`, its FMUs in this worker's folder."""
@@ -196,7 +198,10 @@ class LoadedSystems:
 
         try:
             master = self.ready(request.law, request.values)
-            flight = fly_loaded(master, method(self.job.algorithm), self.job.step, self.job.ticks, check_time)
+            if request.law not in self.recorders:
+                self.recorders[request.law] = Whole(master.columns, self.job.ticks + 2)
+            flight = fly_loaded(master, method(self.job.algorithm), self.job.step, self.job.ticks, check_time,
+                                recorder=self.recorders[request.law].restart())
         except Exception as error:
             if disk_is_full(error):
                 raise RunError(f"The disk with {self.folder} is full.") from None

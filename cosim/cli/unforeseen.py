@@ -8,7 +8,7 @@ import traceback
 from importlib.metadata import PackageNotFoundError, version
 
 UNFORESEEN = 70  # exit status; EX_SOFTWARE of sysexits.h
-PACKAGES = ("ahv", "fmpy", "numpy", "numba", "pydantic", "typer")
+PACKAGES = ("ahv", "fmpy", "numpy", "pydantic", "typer")
 
 
 def unforeseen(error: BaseException, words: list[str]) -> str:

@@ -8,6 +8,7 @@
     dependencies  which output depends on which input
     initialise    from instantiated to ready to step    wiring        a loaded system as arrays, which wirer builds
     program       what a tick does, as rows of numbers  loop_plain, loop_compiled   what carries programs out
+    compile_loop  the latter's library, from loop.c
     algorithms    Jacobi, Gauss-Seidel and others       loaded        a loaded system: initialise, run programs, reset
     fly           from start to stop                    flight        what a flight left
     recording     rows into memory or a file            publish       results that appear together, in a folder

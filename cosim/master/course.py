@@ -2,6 +2,7 @@
 import re
 from collections.abc import Container
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -80,6 +81,12 @@ def terms(expression: str, known: Container[str] = ()) -> list[tuple[int, str]]:
     """`a - b + c` as signs and names: [(1, "a"), (-1, "b"), (1, "c")]. A name that is `known` is never taken apart."""
     if expression in known:
         return [(1, expression)]
+    return [*split(expression)]
+
+
+@lru_cache(1000)
+def split(expression: str) -> tuple[tuple[int, str], ...]:
+    """The same, where no name has a sign."""
     first, *rest = re.split(r" ([+-]) ", expression)
     signs = (1 if word == "+" else -1 for word in rest[::2])
-    return [(1, first.strip()), *zip(signs, (name.strip() for name in rest[1::2]))]
+    return ((1, first.strip()), *zip(signs, (name.strip() for name in rest[1::2])))

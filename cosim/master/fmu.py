@@ -99,14 +99,17 @@ class FmuFile:
     scalars: list[Variable] = field(init=False)         # in the description's order, arrays as their elements
     variables: dict[str, Variable] = field(init=False)  # those and, of FMI 3.0, the aliases, by name
     arrays: dict[str, list[str]] = field(init=False)    # of FMI 3.0: the names of their elements, in order
+    listed: dict[str, list[str]] = field(init=False)    # causality -> the names of its variables
     corrupted: bool = False
 
     def __post_init__(self) -> None:
-        listed = [[*v.elements()] for v in self.description.variables]
-        self.scalars = [v for elements in listed for v in elements]
+        self.scalars = [v for one in self.description.variables for v in one.elements()]
         self.variables = {v.name: v for v in self.scalars}
         for alias in self.description.aliases:
             self.variables.update((v.name, v) for v in alias.elements() if v.name not in self.variables)
+        self.listed = {}
+        for v in self.scalars:
+            self.listed.setdefault(v.causality, []).append(v.name)
         self.arrays = {}
         for v in self.variables.values():
             if v.array:
@@ -172,7 +175,7 @@ class FmuFile:
 
     def names(self, causality: str) -> list[str]:
         """The variables of a causality, in the order of the description, arrays as their elements."""
-        return [v.name for v in self.scalars if v.causality == causality]
+        return [*self.listed.get(causality, ())]
 
     def together(self, names: Iterable[str]) -> list[str]:
         """`names` with all elements of the arrays that they are in, which one call moves: each array's in a row."""

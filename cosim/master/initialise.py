@@ -2,7 +2,7 @@
 
 What depends on nothing comes first. An algebraic loop is repeated until its values stay the same.
 """
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from itertools import groupby
 from types import MappingProxyType
 
@@ -97,10 +97,10 @@ class Exchange:
                        f"{MOST_PASSES} passes through the loop of {', '.join(n for b in given for n in b[:3])}.")
 
 
-def initialise(system: System, instances: Mapping[str, Instance], targets: Mapping[str, Connection],
+def initialise(batches: Iterable[list[Batch]], instances: Mapping[str, Instance], targets: Mapping[str, Connection],
                start: float, stop: float | None, tolerance: float | None = None,
                inputs: Mapping[str, Mapping[str, float]] = MappingProxyType({})) -> None:
-    """From instantiated, with parameters set, to ready to step. Times in s; the relative tolerance is each FMU's own,
+    """From instantiated, with parameters set, to ready to step; values are exchanged as `order` says. Times in s; the relative tolerance is each FMU's own,
     of its default experiment, if it is None. `inputs` has values of inputs that nothing is connected to: component ->
     variable -> value.
 
@@ -112,10 +112,10 @@ def initialise(system: System, instances: Mapping[str, Instance], targets: Mappi
         instance.set({n: x if instance.file.variables[n].family == "Real" else int(x)
                       for n, x in inputs.get(instance.name, {}).items()})
     exchange = Exchange(instances, targets)
-    for batches in order(system, {n: i.file for n, i in instances.items()}, targets):
-        if len(batches) == 1:
-            exchange.move(batches[0])
+    for group in batches:
+        if len(group) == 1:
+            exchange.move(group[0])
         else:
-            exchange.settle(batches)
+            exchange.settle(group)
     for instance in instances.values():
         instance.leave(start)

@@ -17,6 +17,7 @@ from .system import Value
 
 STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
 SIZE, ADDRESS = ctypes.c_size_t, ctypes.c_void_p
+Alike = tuple[str, int, list[str], np.ndarray, list[str]]  # suffix, kind, names, references, types
 ONLY_ONE: dict[str, str] = {}  # token of an FMU that allows one instance in a process -> the name of that instance
 
 
@@ -36,6 +37,7 @@ class Instance:
         self.open, self.stepping, self.failed, self.uses_events = False, False, False, False
         self.events: np.ndarray | None = None        # its row of `wiring.events`
         self.given: dict[str, Value] = {}            # elements of arrays that have been set
+        self.moved: dict[tuple[str, ...], list[Alike]] = {}
         self.only_one, self.token = self.claims("canBeInstantiatedOnlyOncePerProcess"), self.said(self.standard.TOKEN)
         if self.only_one and self.token in ONLY_ONE:
             raise UsageError(f"{self.label} cannot be instantiated beside {ONLY_ONE[self.token]}: the FMU allows only "
@@ -146,14 +148,10 @@ class Instance:
         Arrays move as a whole: elements that are not given are set to what they were set to last, or start with.
         """
         given = dict(zip(names, values)) if values is not None else {}
-        self.given.update((n, x) for n, x in given.items() if self.file.variables[n].array)
+        if self.file.arrays:
+            self.given.update((n, x) for n, x in given.items() if self.file.variables[n].array)
         result: dict[str, Any] = {}
-        alike: dict[tuple[str, int] | None, list[str]] = {}
-        for name in names:
-            alike.setdefault(self.standard.TYPES.get(self.file.variable(name).type), []).append(name)
-        for suffix, kind in (calls for calls in dict.fromkeys(self.standard.TYPES.values()) if calls in alike):
-            group = self.file.together(alike[suffix, kind])
-            references = np.array(self.file.references(group), dtype=np.uint32)
+        for suffix, kind, group, references, types in self.alike(names):
             buffer = np.zeros(len(group), DTYPES[kind])
             wanted = [given[n] if n in given else self.held(n) for n in group] if values is not None else []
             if values is not None and suffix == "String":
@@ -165,8 +163,21 @@ class Instance:
             arguments = ADDRESS(references.ctypes.data), SIZE(len(references)), ADDRESS(buffer.ctypes.data)
             status = self.call(call, *arguments, *([SIZE(len(group))] if self.standard.COUNTS_VALUES else []))
             self.check(status, f"{call}({', '.join(group[:3])}{', ...' if group[3:] else ''})")
-            result.update(zip(group, shown(suffix, buffer.tolist(), [self.file.variables[n].type for n in group])))
+            result.update(zip(group, shown(suffix, buffer.tolist(), types)))
         return [result[n] for n in names]
+
+    def alike(self, names: list[str]) -> list[Alike]:
+        """What one call each moves of the variables called `names`. Kept: runs and loops move the same again."""
+        if (key := tuple(names)) not in self.moved:
+            groups: dict[tuple[str, int] | None, list[str]] = {}
+            for name in names:
+                groups.setdefault(self.standard.TYPES.get(self.file.variable(name).type), []).append(name)
+            self.moved[key] = [
+                (suffix, kind, group, np.array(self.file.references(group), np.uint32),
+                 [self.file.variables[n].type for n in group])
+                for suffix, kind in dict.fromkeys(self.standard.TYPES.values()) if (suffix, kind) in groups
+                for group in [self.file.together(groups[suffix, kind])]]
+        return self.moved[key]
 
     def held(self, name: str) -> Value:
         """What an element of an array was set to last, or starts with."""

@@ -4,23 +4,24 @@ The algorithms (`algorithms`) say what to do on a tick, as programs; `flight` fl
 """
 from collections.abc import Iterator
 from contextlib import contextmanager
-from importlib.util import find_spec
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
 
 from ..errors import RunError
-from . import last_call
+from . import last_call, loop_compiled, loop_plain
 from . import program as P
 from .connections import checked_connections, recorded_names
+from .dependencies import step_order
 from .fmu import FmuFile
-from .initialise import initialise
+from .initialise import Batch, initialise, order
 from .instance import Instance
 from .look_up import Place
 from .system import System, Value
 from .table import Table, inputs_of
 from .wirer import Wirer
-from .wiring import LONGEST_TEXT, Signal, Wiring
+from .wiring import Signal, Wiring
 
 OF_GROUPS = (P.SET, P.PREDICT, P.SLOPE, P.GET, P.OFFER)
 CALLS = {P.SET: "Set{}", P.PREDICT: "Set{}", P.SLOPE: "SetRealInputDerivatives", P.GET: "Get{}", P.OFFER: "Set{}",
@@ -42,7 +43,7 @@ class Loop(Protocol):
 
     def run(self, ops: np.ndarray, rows: np.ndarray, times: np.ndarray, cursor: np.ndarray,
             first: int, count: int, start: float, step: float, decimate: int) -> int:
-        """Carry out `ops` on `count` ticks, see `loop_compiled.kernel`; 0, or the status of the call that failed."""
+        """Carry out `ops` on `count` ticks, see `loop_compiled.Loop.run`; 0, or the status of the call that failed."""
 
 
 class Master:
@@ -60,6 +61,7 @@ class Master:
         does not instantiate.
         """
         self.system, self.files, self.tolerance = system, files, tolerance
+        self.values: dict[str, dict[str, Value]] = {}
         self.values = self.checked_values(system)
         self.targets = checked_connections(system, files)
         recorded = recorded_names(system, files, record)
@@ -79,9 +81,25 @@ class Master:
         self.loop = make_loop(plain, self.wiring)
 
     def checked_values(self, system: System) -> dict[str, dict[str, Value]]:
-        """Component -> variable -> value in the variable's type. Raises UsageError for a value that does not fit."""
-        return {c.name: {n: self.files[c.name].checked(n, x, c.name) for n, x in c.values.items()}
-                for c in system.components}
+        """Component -> variable -> value in the variable's type; what has been checked for the system before is not
+        checked again. Raises UsageError for a value that does not fit."""
+        before = {c.name: c.values for c in self.system.components}
+        found = {}
+        for c in system.components:
+            known, old = self.values.get(c.name, {}), before.get(c.name, {})
+            found[c.name] = {n: known[n] if n in known and x is old.get(n) else
+                             self.files[c.name].checked(n, x, c.name) for n, x in c.values.items()}
+        return found
+
+    @cached_property
+    def exchanged(self) -> list[list[Batch]]:
+        """What is set and read before the start, see `initialise.order`."""
+        return order(self.system, self.files, self.targets)
+
+    @cached_property
+    def step_order(self) -> list[list[str]]:
+        """The components in the order of the dependencies, see `dependencies.step_order`."""
+        return step_order(self.system, self.files, self.targets)
 
     @property
     def columns(self) -> list[Signal]:
@@ -110,7 +128,7 @@ class Master:
         """
         for instance in self.instances:
             instance.set(self.values[instance.name])
-        initialise(self.system, {i.name: i for i in self.instances}, self.targets, start, stop, self.tolerance,
+        initialise(self.exchanged, {i.name: i for i in self.instances}, self.targets, start, stop, self.tolerance,
                    self.inputs.at(start) if self.inputs else {})
         self.wiring.begin(self.instances)
         self.read_all(start)
@@ -126,7 +144,7 @@ class Master:
 
         Raises UsageError for values that do not fit, RunError if an FMU refuses, or has answered Fatal before.
         """
-        self.values = self.checked_values(system)
+        self.values, self.system = self.checked_values(system), system
         self.free_states()
         for instance in self.instances:
             instance.reset()
@@ -153,7 +171,7 @@ class Master:
         """Carry out `ops` on `count` ticks from the tick `first`; the status of the call that failed, or 0.
 
         Tick k begins at start + k * step (s); `rows` and `times` get every `decimate`-th tick (0: none), see
-        `loop_compiled.kernel`. Raises RunError if an FMU has answered Fatal before.
+        `loop_compiled.Loop.run`. Raises RunError if an FMU has answered Fatal before.
         """
         for instance in self.instances:
             instance.need_alive()
@@ -179,7 +197,7 @@ class Master:
         instance, call, late = self.refusing(ops)
         time = start + (int(self.cursor[P.TICK]) + late) * step
         if status == P.TOO_LONG:
-            raise RunError(f"{instance.label} shows a text longer than {LONGEST_TEXT - 1} bytes at t = {time:.6g} s.")
+            raise RunError(f"{instance.label} shows a text longer than {P.LONGEST_TEXT - 1} bytes at t = {time:.6g} s.")
         if status == P.RESTLESS:
             raise RunError(f"{instance.label} does not come to the end of its events in the step from "
                            f"t = {time:.6g} s.")
@@ -243,12 +261,9 @@ NO_ROWS, NO_TIMES = np.empty((0, 0)), np.empty(0)
 
 
 def make_loop(plain: bool, wiring: Wiring) -> Loop:
-    """The tick loop: in Python if `plain` or without numba, else compiled; the numbers are the same."""
-    if plain or find_spec("numba") is None:
-        from . import loop_plain
-        return loop_plain.Loop(wiring)
-    from . import loop_compiled  # imports numba, which is slow
-    return loop_compiled.Loop(wiring)
+    """The tick loop: in Python if `plain` or where there is no compiled one; the numbers are the same."""
+    compiled = None if plain else loop_compiled.library()
+    return loop_plain.Loop(wiring) if compiled is None else loop_compiled.Loop(wiring, compiled)
 
 
 @contextmanager

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from . import program as P
-from .wiring import LONGEST_TEXT, Wiring, strncpy_address
+from .wiring import Wiring
 
 POINTER, SIZE, REAL, WHOLE = ctypes.c_void_p, ctypes.c_size_t, ctypes.c_double, ctypes.c_int
 TRANSFER = ctypes.CFUNCTYPE(WHOLE, POINTER, POINTER, SIZE, POINTER, SIZE)
@@ -14,7 +14,6 @@ DO_STEP = ctypes.CFUNCTYPE(WHOLE, POINTER, REAL, REAL, WHOLE, *[POINTER] * 4)
 MODE = ctypes.CFUNCTYPE(WHOLE, POINTER)
 UPDATE = ctypes.CFUNCTYPE(WHOLE, *[POINTER] * 7)
 STATE = ctypes.CFUNCTYPE(WHOLE, POINTER, POINTER)
-COPY = ctypes.CFUNCTYPE(POINTER, POINTER, POINTER, SIZE)
 DONE = (P.OK, P.WARNING)
 
 
@@ -34,7 +33,7 @@ class Bound:
 
 
 class Loop:
-    """Carries out programs on one wiring; see `loop_compiled.kernel` for the meaning of the arguments."""
+    """Carries out programs on one wiring; see `loop_compiled`."""
 
     def __init__(self, wiring: Wiring):
         self.wiring = wiring
@@ -45,14 +44,13 @@ class Loop:
              **{k: kind(row[k]) for k, kind in ((P.ENTER_EVENTS, MODE), (P.UPDATE, UPDATE), (P.ENTER_STEPS, MODE))
                 if row[k]}}
             for row in wiring.components.tolist()]
-        self.copy = COPY(strncpy_address())
         self.actions = {P.SET: self.set, P.PREDICT: self.predict, P.SLOPE: self.predict, P.STEP: self.step,
                         P.GET: self.get, P.MARK: self.mark, P.SAVE: self.save, P.RESTORE: self.restore,
                         P.OFFER: self.offer}
 
     def run(self, ops: np.ndarray, rows: np.ndarray, times: np.ndarray, cursor: np.ndarray,
             first: int, count: int, start: float, step: float, decimate: int) -> int:
-        """Carry out `ops`; see `loop_compiled.kernel`."""
+        """Carry out `ops`; see `loop_compiled.Loop.run`."""
         w = self.wiring
         listed = [(i, self.actions[code], code, *rest) for i, (code, *rest) in enumerate(ops.tolist())]
         for tick in range(first, first + count):
@@ -141,7 +139,7 @@ class Loop:
                                         place + P.EARLY_BYTE, place + 8 * P.REACHED))
 
     def in_event_mode(self, index: int, time: float) -> int:
-        """See `loop_compiled.in_event_mode`."""
+        """See `in_event_mode` in loop.c."""
         component, events, row = self.components[index], self.wiring.events[index], self.wiring.components[index]
         instance, place, flags = component[P.INSTANCE], component[P.ANSWERS], events.view(np.uint8)
         events[P.CALLED] = P.ENTERING
@@ -171,7 +169,7 @@ class Loop:
         return P.RESTLESS
 
     def step_on(self, index: int, begun: float, end: float) -> int:
-        """See `loop_compiled.step_on`."""
+        """See `step_on` in loop.c."""
         events, rounds = self.wiring.events[index], 0
         flags, reached = events.view(np.uint8), events.view(float)
         while True:
@@ -184,12 +182,12 @@ class Loop:
                 events[P.FLAGS] = 0
                 status = self.in_event_mode(index, now)
             events[P.FLAGS] &= 1 << 8 * P.END_BYTE
-            if status not in DONE or not early or now >= end - 1e-9 * (end - begun):
+            if status not in DONE or not early or now >= end - P.EARLY * (end - begun):
                 return status
             rounds = 0 if now > begun else rounds + 1
             if rounds > P.MOST_ROUNDS:
                 return P.RESTLESS
-            begun = max(now, begun)
+            begun = now if now > begun else begun
             status = self.do_step(index, begun, end - begun)
             if status not in DONE or not events[P.FLAGS]:
                 return status
@@ -206,11 +204,10 @@ class Loop:
                 w.exact[group.where] = group.values.astype(np.int64)
             return status
         for place, text in zip(group.where.tolist(), group.values.tolist()):
-            if text:
-                self.copy(w.texts.ctypes.data + place * LONGEST_TEXT, text, LONGEST_TEXT)
-            else:  # a null pointer counts as an empty text
-                w.texts[place, 0] = 0
-            if w.texts[place, -1]:
+            found = ctypes.string_at(text) if text else b""  # a null pointer counts as an empty text
+            kept = found[:P.LONGEST_TEXT - 1]
+            w.texts[place, :len(kept) + 1] = np.frombuffer(kept + b"\0", np.uint8)
+            if len(kept) < len(found):
                 status = P.TOO_LONG
         return status
 

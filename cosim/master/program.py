@@ -1,4 +1,5 @@
-"""A schedule as data: rows of whole numbers that both tick loops (`loop_plain`, `loop_compiled`) carry out.
+"""A schedule as data: rows of whole numbers that both tick loops (`loop_plain`, `loop_compiled`) carry out. loop.c is
+compiled with the names in capitals.
 
 A row is (code, index, period, phase, reach). It is carried out on ticks k with k % period == phase;
 `index` is a group of variables or a component; `reach` is how many base steps an FMU's step spans.
@@ -24,10 +25,11 @@ import numpy as np
 
 SET, PREDICT, SLOPE, STEP, GET, MARK, SAVE, RESTORE, OFFER = range(9)
 
-# Columns of the tables `groups` and `components`, see `wiring`.
+# Columns of the tables `groups` and `components`, and how many there are, see `wiring`.
 CALL, POINTER, REFERENCES, COUNT, BUFFER, FIRST, KIND, OWNER, SET_SLOPES, SLOPES, ORDERS, VALUES = range(12)
 (INSTANCE, DO_STEP, GET_STATE, SET_STATE, FREE_STATE, SLOTS_FROM, SLOTS_TO, ENTER_EVENTS, UPDATE, ENTER_STEPS, ANSWERS,
  OFFERS_FROM, OFFERS_TO) = range(13)
+GROUP_COLUMNS, COMPONENT_COLUMNS = VALUES + 1, OFFERS_TO + 1
 
 # Kinds of groups: how a value lies in memory. A truth value is WHOLE in FMI 2.0, UINT8 in FMI 3.0.
 REAL, WHOLE, TEXT, FLOAT, INT8, INT16, INT64, UINT8, UINT16, UINT32, UINT64 = range(11)
@@ -38,9 +40,13 @@ DTYPES = {REAL: np.float64, WHOLE: np.int32, TEXT: np.int64, FLOAT: np.float32, 
 # end of the simulation, early return; in an update: again, end, two of no use here, next event known) and a time; then
 # whether inputs are to be given in event mode, and which of IN_EVENTS is under way.
 FLAGS, REACHED, UPDATED, NEXT, CHANGED, CALLED = range(6)
+EVENT_COLUMNS = CALLED + 1
 EVENT_BYTE, END_BYTE, EARLY_BYTE = range(3)
 IN_STEP, ENTERING, GIVING, UPDATING, LEAVING = range(5)
 MOST_ROUNDS = 1000  # without going on in time: updates of discrete states, or early returns
+EARLY = 1e-9        # of a step: what is due at its end is not missed by a rounding of the clock
+
+LONGEST_TEXT = 4096  # bytes, with the zero at the end
 
 # The statuses of FMI calls.
 OK, WARNING, DISCARD, ERROR, FATAL = range(5)

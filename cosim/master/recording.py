@@ -66,6 +66,34 @@ class Recorder:
         """Remove what was written: the run did not start."""
 
 
+class Whole(Recorder):
+    """Keeps all rows in memory, in one place, to which the loop writes: `rows` of them at first, more where these do
+    not suffice. What `finish` returns is valid until `restart`."""
+
+    def __init__(self, columns: list[Signal], rows: int):
+        super().__init__(columns)
+        self.rows, self.times = np.empty((rows, len(columns))), np.empty(rows)
+        self.used = 0
+
+    def restart(self) -> "Whole":
+        """Forget all rows, for another flight."""
+        self.used = 0
+        return self
+
+    def room(self, count: int) -> tuple[np.ndarray, np.ndarray]:
+        if self.used + count > len(self.times):
+            more = max(count, len(self.times))
+            self.rows = np.concatenate((self.rows[:self.used], np.empty((more, len(self.columns)))))
+            self.times = np.concatenate((self.times[:self.used], np.empty(more)))
+        return self.rows[self.used:], self.times[self.used:]
+
+    def took(self, used: int) -> None:
+        self.used += used
+
+    def finish(self) -> tuple[np.ndarray, np.ndarray]:
+        return self.times[:self.used], self.rows[:self.used]
+
+
 class Thinned(Recorder):
     """Keeps every n-th row in memory, n growing with the run, for metrics and figures."""
 

@@ -21,7 +21,6 @@ from .system import Connection, Value, as_path
 
 TIME = "time"
 LARGEST = 1 << 30  # bytes of a file
-EARLY = 1e-9       # of a step: a row is not missed by a rounding of the clock
 
 
 @dataclass(frozen=True)

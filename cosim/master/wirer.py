@@ -4,9 +4,9 @@ import numpy as np
 from .declared import Variable
 from .instance import Instance
 from .look_up import Place
-from .program import FLAGS, INT64, REAL, TEXT
+from .program import COMPONENT_COLUMNS, EVENT_COLUMNS, FLAGS, GROUP_COLUMNS, INT64, LONGEST_TEXT, REAL, TEXT
 from .system import Connection
-from .wiring import LONGEST_TEXT, Group, Wiring, signal
+from .wiring import Group, Wiring, signal
 
 OF_TABLE = " (table)"  # after the name of an input: its slot
 
@@ -177,8 +177,8 @@ class Wirer:
         w.clock = np.zeros((len(self.instances), 2))
         w.texts = np.zeros((len(self.text), LONGEST_TEXT), np.uint8)
         w.states = np.zeros(len(self.instances), np.int64)
-        w.events = np.zeros((len(self.instances), 6), np.int64)
-        w.groups = np.array(self.rows, np.int64).reshape(-1, 12)
+        w.events = np.zeros((len(self.instances), EVENT_COLUMNS), np.int64)
+        w.groups = np.array(self.rows, np.int64).reshape(-1, GROUP_COLUMNS)
         for line in w.groups:
             first = int(line[5])
             line[2] = w.references.ctypes.data + int(line[2]) * w.references.itemsize
@@ -189,7 +189,7 @@ class Wirer:
             for i in range(len(group.names)):
                 w.buffers[first + i] = w.texts.ctypes.data + LONGEST_TEXT * int(w.where[first + i])
         w.components = np.array([self.component(i, *bounds[i], *offers[i]) for i in range(len(self.instances))],
-                                np.int64).reshape(-1, 13)
+                                np.int64).reshape(-1, COMPONENT_COLUMNS)
         for instance, row in zip(self.instances, w.events):
             instance.events = row
 

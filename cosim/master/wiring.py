@@ -22,9 +22,19 @@ import numpy as np
 from .declared import Variable
 from .description import Description
 from .instance import Instance
-from .program import BUFFER, COUNT, FLOAT, REAL, REFERENCES, TEXT, VALUES
-
-LONGEST_TEXT = 4096
+from .program import (
+    BUFFER,
+    COMPONENT_COLUMNS,
+    COUNT,
+    EVENT_COLUMNS,
+    FLOAT,
+    GROUP_COLUMNS,
+    LONGEST_TEXT,
+    REAL,
+    REFERENCES,
+    TEXT,
+    VALUES,
+)
 
 
 @dataclass(frozen=True)
@@ -79,8 +89,8 @@ class Wiring:
     outputs: list[list[Group]] = field(default_factory=list)
     looked_up: list[list[Group]] = field(default_factory=list)  # of each component: read from the table of inputs
     every_group: list[Group] = field(default_factory=list)   # in the order of `groups`
-    groups: np.ndarray = field(default_factory=lambda: np.empty((0, 12), np.int64))
-    components: np.ndarray = field(default_factory=lambda: np.empty((0, 13), np.int64))
+    groups: np.ndarray = field(default_factory=lambda: np.empty((0, GROUP_COLUMNS), np.int64))
+    components: np.ndarray = field(default_factory=lambda: np.empty((0, COMPONENT_COLUMNS), np.int64))
     where: np.ndarray = field(default_factory=lambda: np.empty(0, np.int64))        # links: slot, factor, offset
     factor: np.ndarray = field(default_factory=lambda: np.empty(0))
     offset: np.ndarray = field(default_factory=lambda: np.empty(0))
@@ -95,7 +105,7 @@ class Wiring:
     holder: np.ndarray = field(default_factory=lambda: np.empty(0, np.int64))       # component of each slot
     texts: np.ndarray = field(default_factory=lambda: np.empty((0, LONGEST_TEXT), np.uint8))
     states: np.ndarray = field(default_factory=lambda: np.empty(0, np.int64))       # saved FMU states
-    events: np.ndarray = field(default_factory=lambda: np.empty((0, 6), np.int64))  # of each component, see `program`
+    events: np.ndarray = field(default_factory=lambda: np.empty((0, EVENT_COLUMNS), np.int64))  # see `program`
     offers: np.ndarray = field(default_factory=lambda: np.empty(0, bool))           # components with OFFERs
     held: list[tuple[int, str, int]] = field(default_factory=list)  # component, variable, slot that nothing changes
 
@@ -116,8 +126,3 @@ class Wiring:
             else:
                 self.signals[slot] = value
                 self.exact[slot] = 0 if isinstance(value, float) else value - 2 ** 64 * (value >= 2 ** 63)
-
-
-def strncpy_address() -> int:
-    """The address of libc's strncpy. A text output stays the FMU's own, so the loops copy it at once."""
-    return ctypes.cast(ctypes.CDLL(None).strncpy, ctypes.c_void_p).value or 0

@@ -40,9 +40,12 @@ def values(flight: Flight, name: str) -> np.ndarray:
 
 def course(flight: Flight, expression: str) -> Course:
     """As `Flight.course`, with what stands in for missing signals. Raises UsageError as `values` does."""
-    total = np.sum([sign * values(flight, name) for sign, name in terms(expression)], axis=0)
+    (sign, first), *others = terms(expression)
+    total = sign * values(flight, first)
+    for sign, name in others:
+        total += sign * values(flight, name)
     rows = flight.together(source(flight, name) for name in names(expression))
-    return Course(flight.time[rows], total[rows])
+    return Course(flight.time, total) if rows.all() else Course(flight.time[rows], total[rows])
 
 
 def reference(time: np.ndarray, command: np.ndarray, start: float) -> np.ndarray:

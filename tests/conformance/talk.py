@@ -5,7 +5,6 @@ from ctypes import byref, c_bool, c_char_p, c_double, c_int, c_size_t, c_uint, c
 from pathlib import Path
 
 import fmpy
-
 from contract import STATES
 
 import ahv_plant_fmu.model as plant

@@ -41,7 +41,7 @@ ROOT = Path(__file__).parents[2]
 RESULTS = ROOT / "results" / "mutants.jsonl"
 JUDGED = Path(__file__).with_name("judged.yaml")
 LIBRARIES = ("pytest", "casadi", "fmpy.fmi2", "lxml.etree", "pythonfmu", "pyarrow.parquet", "pydantic", "scipy.stats",
-             "scipy.signal", "hypothesis.strategies", "matplotlib.figure", "typer", "rich.console", "numba",
+             "scipy.signal", "hypothesis.strategies", "matplotlib.figure", "typer", "rich.console",
              "distributed")
 PYTEST = ["-x", "-q", "--no-header", "--tb=line", "-p", "no:cacheprovider", "-m", "not slow and not peers"]
 PDEATHSIG = 1

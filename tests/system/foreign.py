@@ -176,7 +176,7 @@ if __name__ == "__main__":
         np.savez(out, cost=cost(fly, float(step), float(stop)))
     else:
         np.savez(out, rows=fly(float(stop)), names=names)
-    # Not by the way of atexit: as its library goes, pythonfmu 0.7.0 writes to memory that it freed, and these masters do
-    # not prevent it (`master/instance.py` does). Once in many runs the process was aborted, its rows written.
+    # Not by the way of atexit: as its library goes, pythonfmu 0.7.0 writes to memory that it freed, which these masters
+    # do not prevent (`master/instance.py` does). Once in many runs the process was aborted, its rows written.
     sys.stdout.flush()
     os._exit(0)

@@ -8,7 +8,7 @@ from test_cases import ahv
 from test_foreign_masters import STEP, theirs
 
 from cosim.master.connections import checked_connections
-from cosim.master.initialise import initialise
+from cosim.master.initialise import initialise, order
 from cosim.master.instance import Instance
 from cosim.master.loaded import open_files
 from cosim.ssp.load import load_ssp
@@ -34,7 +34,7 @@ def flown(path, clock):
         instances = {name: Instance(file, name) for name, file in files.items()}
         for component in found.components:
             instances[component.name].set(component.values)
-        initialise(found, instances, targets, 0.0, TICKS * STEP)
+        initialise(order(found, files, targets), instances, targets, 0.0, TICKS * STEP)
         shown = {name: [n for n in file.names("output") if file.variable(n).type == "Real"]
                  for name, file in files.items()}
         rows = []

@@ -9,7 +9,7 @@ import small
 from altered import redescribed
 
 from cosim.errors import RunError, UsageError
-from cosim.master import last_call, loop_compiled, program
+from cosim.master import last_call, program
 from cosim.master.algorithms import method
 from cosim.master.fly import fly, fly_loaded
 from cosim.master.fmu import FmuFile
@@ -429,11 +429,3 @@ def test_every_saved_state_is_freed(tmp_path, monkeypatch):
 def test_the_logger_takes_what_fmus_hand_it():
     log(None, None, ERROR, b"", None)
     log(12345678901, b"nobody", -1, b"", b"\xff")
-
-
-# --- compilation ------------------------------------------------------------------------------------------------------
-
-def test_the_loop_is_compiled_once_and_before_any_call(fmu):
-    for algorithm in ALGORITHMS:
-        assert fly(small.pair(fmu), 1, 4, algorithm).finished
-    assert len(loop_compiled.kernel.signatures) == 1

@@ -170,7 +170,7 @@ def test_an_fmu_that_ends_its_process_is_named(tmp_path):
 
 
 def test_only_fmu_calls_count_for_the_time_limit(tmp_path, monkeypatch):
-    """Not numba's compilation, nor the waits of a paced flight; each call counts by itself."""
+    """Not what comes before, nor the waits of a paced flight; each call counts by itself."""
     def slow_loop(*arguments):
         time.sleep(1.0)
         return make_loop(*arguments)

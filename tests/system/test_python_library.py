@@ -57,8 +57,7 @@ with contextlib.suppress(SystemExit), contextlib.redirect_stdout(io.StringIO()):
 def test_a_flight_needs_no_package_of_others_rooms(fmu):
     code = f"import cosim; cosim.fly(cosim.System([cosim.Component('a', {str(fmu)!r})]), step=0.1, stop=1, plain=True)"
     assert modules_after(code) == ["numpy", "fmpy"]
-    compiled = modules_after(code.replace(", plain=True", ""))
-    assert "numba" in compiled and not {"matplotlib", "dask", "casadi", "pandas", "rich"} & {*compiled}
+    assert modules_after(code.replace(", plain=True", "")) == ["numpy", "fmpy"]
 
 
 def test_every_name_is_there_and_documented():

@@ -6,7 +6,6 @@ import numpy as np
 
 from ...errors import RunError, UsageError
 from .. import program as P
-from ..dependencies import step_order
 from ..loaded import Ended, Master
 from ..program import Row, row
 from ..recording import Recorder
@@ -86,7 +85,7 @@ def chosen_order(master: Master, order: list[str] | None) -> list[int]:
     Raises UsageError unless `order` names each component once.
     """
     if order is None:
-        return [master.number[n] for group in step_order(master.system, master.files, master.targets) for n in group]
+        return [master.number[n] for group in master.step_order for n in group]
     if sorted(order) != sorted(master.number):
         raise UsageError(f"order={'+'.join(order)} must name each component once: {'+'.join(master.number)}.")
     return [master.number[name] for name in order]

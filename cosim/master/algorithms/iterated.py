@@ -15,7 +15,7 @@ import numpy as np
 
 from ...errors import RunError, UsageError
 from .. import program as P
-from ..dependencies import looped, step_order, value_needs
+from ..dependencies import looped, value_needs
 from ..loaded import Ended, Master
 from ..program import row
 from .base import Even, Experiment, inputs, outputs, step, turn
@@ -33,7 +33,7 @@ class Iterated(Even):
         w = master.wiring
         lacking = set(master.cannot_save())
         loops = looped(value_needs(master.system, master.files, master.targets))
-        for group in step_order(master.system, master.files, master.targets):
+        for group in master.step_order:
             members = [master.number[name] for name in group]
             once = [r for i in members for r in turn(master, i, hold)]
             if not loops & set(group):
