@@ -34,6 +34,8 @@ def build(
     wanted = [(kind, version) for kind in kinds for version in versions(kind) if fmi in (version, "all")]
     if not wanted:
         raise UsageError(f"--fmi {fmi} has no FMU of the flavour {flavour}, which is for FMI {versions(flavour)[0]}.")
+    if wasm and "native" not in kinds:
+        raise UsageError(f"--wasm is for the native flavour, not for {flavour}.")
     try:
         for kind, version in wanted:
             for model in chosen:

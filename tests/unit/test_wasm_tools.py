@@ -3,7 +3,14 @@ import sys
 
 import pytest
 
+from cosim.cli.build import build
+from cosim.errors import UsageError
 from fmus import wasm
+
+
+def test_the_python_flavour_has_no_c():
+    with pytest.raises(UsageError, match="--wasm is for the native flavour, not for python"):
+        build(["AhvScenario"], flavour="python", fmi="all", out=None, wasm=True)
 
 
 def test_missing_tools_are_named(monkeypatch, tmp_path):
