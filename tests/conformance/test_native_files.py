@@ -74,7 +74,8 @@ def test_nothing_of_this_machine_is_in_a_library(fmu):
 
 
 def test_sizes(fmu, native_fmus):
-    assert native_fmus[fmu.name].stat().st_size < 450_000
+    """As much for each of the five platforms as when there were three."""
+    assert native_fmus[fmu.name].stat().st_size < 5 * 150_000
 
 
 STRICTER = ["-O0", "-Wshadow", "-Wconversion", "-Wvla"]
