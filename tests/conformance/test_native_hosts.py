@@ -3,6 +3,7 @@ import os
 import shutil
 import subprocess
 import sys
+from dataclasses import dataclass
 
 import pytest
 from native_host import HEADERS, HOSTS, STRICT, WARNINGS, Unpacked, host, run, sanitizer, wiring
@@ -48,12 +49,37 @@ def replay_file(path, controller: Unpacked, reference: Recording):
     return path
 
 
-def test_a_c_host_without_python_reproduces_the_reference(members, folder, reference):
-    controller = members[1]
-    record_file = replay_file(folder / "case1.txt", controller, reference)
-    said = run(host("replay", folder), controller.library(), controller.guid, record_file, env=NO_PYTHON)
+@dataclass(frozen=True)
+class Version:
+    """The controller of a version of FMI, the program of `native/` that replays it, and its platforms' folders."""
+    controller: Unpacked
+    program: str
+    linux: str
+    windows: str
+
+
+@pytest.fixture(scope="module", params=["2", "3"], ids=["fmi2", "fmi3"])
+def version(request, native_fmus, native_fmi3_fmus, tmp_path_factory) -> Version:
+    program, fmus, *platforms = {"2": ("replay", native_fmus, "linux64", "win64"),
+                                 "3": ("replay3", native_fmi3_fmus, "x86_64-linux", "x86_64-windows")}[request.param]
+    folder = tmp_path_factory.mktemp(f"fmi{request.param}")
+    return Version(Unpacked.of(fmus["AhvController"], folder), program, *platforms)
+
+
+@pytest.fixture
+def case1(version, reference, tmp_path):
+    return replay_file(tmp_path / "case1.txt", version.controller, reference)
+
+
+def agrees(said: str) -> bool:
     rows, difference = said.split()
-    assert int(rows) == 10001 and float(difference) < 1e-9
+    return int(rows) == 10001 and float(difference) < 1e-9
+
+
+def test_a_c_host_without_python_reproduces_the_reference(version, case1, tmp_path):
+    controller = version.controller
+    program = host(version.program, tmp_path)
+    assert agrees(run(program, controller.library(version.linux), controller.guid, case1, env=NO_PYTHON))
 
 
 @pytest.mark.skipif(not shutil.which("valgrind"), reason="no valgrind: apt-get install valgrind")
@@ -126,30 +152,23 @@ def test_one_step_of_controller_and_plant_takes_microseconds(members, loop):
 
 @pytest.mark.slow
 @pytest.mark.skipif(not shutil.which("wine"), reason="no wine64: apt-get install wine64")
-def test_the_same_host_and_fmu_fly_on_windows(members, reference, tmp_path):
-    controller = members[1]
-    record_file = replay_file(tmp_path / "case1.txt", controller, reference)
+def test_the_same_host_and_fmu_fly_on_windows(version, case1, tmp_path):
+    controller = version.controller
     program = tmp_path / "replay.exe"
-    cc(*STRICT, f"-I{HEADERS}", "-o", program, HOSTS / "replay.c", target="x86_64-windows-gnu")
-    said = run("wine", program, controller.library("win64", ".dll"), controller.guid, record_file,
-               env={**os.environ, "WINEDEBUG": "-all", "WINEPREFIX": str(tmp_path / "wine")})
-    rows, difference = said.split()
-    assert int(rows) == 10001 and float(difference) < 1e-9
+    cc(*STRICT, f"-I{HEADERS}", "-o", program, HOSTS / f"{version.program}.c", target="x86_64-windows-gnu")
+    assert agrees(run("wine", program, controller.library(version.windows, ".dll"), controller.guid, case1,
+                      env={**os.environ, "WINEDEBUG": "-all", "WINEPREFIX": str(tmp_path / "wine")}))
 
 
 @pytest.mark.slow
 @pytest.mark.skipif(not shutil.which("qemu-aarch64"), reason="no qemu-user: apt-get install qemu-user")
-def test_the_sources_fly_on_an_arm_processor(members, reference, tmp_path):
+def test_the_sources_fly_on_an_arm_processor(version, case1, tmp_path):
     """Statically linked, with the FMU's own sources, because Debian's Arm libraries are not at hand."""
-    controller = members[1]
-    record_file = replay_file(tmp_path / "case1.txt", controller, reference)
     program = tmp_path / "replay.arm"
-    sources = controller.folder / "sources"
-    cc(*STRICT, "-static", "-DLINKED", f"-I{sources}", "-o", program, HOSTS / "replay.c", sources / "all.c", "-lm",
-       target="aarch64-linux-musl")
-    said = run("qemu-aarch64", program, "linked", controller.guid, record_file)
-    rows, difference = said.split()
-    assert int(rows) == 10001 and float(difference) < 1e-9
+    sources = version.controller.folder / "sources"
+    cc(*STRICT, "-static", "-DLINKED", f"-I{sources}", "-o", program, HOSTS / f"{version.program}.c",
+       sources / "all.c", "-lm", target="aarch64-linux-musl")
+    assert agrees(run("qemu-aarch64", program, "linked", version.controller.guid, case1))
 
 
 def test_an_importer_can_compile_the_sources_again(native_fmus, tmp_path):
