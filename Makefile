@@ -66,9 +66,10 @@ mutants: build
 	$(BIN)/python tests/mutants
 	$(BIN)/python tests/mutants --table
 
-# The native controller in hosts for Windows (Debian's wine64) and Arm (qemu-user), and the long valgrind runs.
+# The native controller in hosts for Windows (Debian's wine64) and Arm (qemu-user), on a board (qemu-system-arm and
+# picolibc-arm-none-eabi) and as WebAssembly (nodejs), and the long valgrind runs.
 foreign-hosts: build
-	$(BIN)/python -m pytest -m slow tests/conformance/test_native_hosts.py
+	$(BIN)/python -m pytest -m slow $(patsubst %,tests/conformance/test_%.py,native_hosts board wasm component)
 
 # Our FMUs in the importers of others (1.7 GB more on disk, in .venv-peers). Writes docs/importers.md.
 peers: build $(PEERS)

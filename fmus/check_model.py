@@ -15,11 +15,21 @@ from typing import Any
 import casadi
 
 from . import floats, symbols
-from .check_table import NAME_RULE, check_presets, check_states, check_table, file_name, identifier, line_of_text
+from .check_table import (
+    NAME_RULE,
+    check_presets,
+    check_states,
+    check_table,
+    check_terminals,
+    file_name,
+    identifier,
+    line_of_text,
+)
 from .integrators import METHODS, USUAL_ORDER, advancing
 from .interface import GIVEN, computed, sample_time, variables
+from .lines import file_place, function_place
 from .mistakes import ModelError as ModelError
-from .mistakes import file_place, function_place, nearest
+from .mistakes import nearest
 from .trace import Trace, trace_model
 
 ARGUMENTS = {"start": "m, u, p", "derivative": "m, t, x, u, p", "advance": "m, t, h, x, u, p, c",
@@ -35,6 +45,7 @@ def checked_trace(model: ModuleType) -> Trace:
     check_parts(model)
     check_table(model)
     check_states(model)
+    check_terminals(model)
     check_presets(model)
     check_functions(model)
     trace: Trace = attempt(model, SimpleNamespace(), SimpleNamespace(), trace_model, model)

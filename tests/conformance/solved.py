@@ -56,6 +56,9 @@ class Member:
         self.fmu.enterInitializationMode()
         self.set(**dict(at_start))
         self.fmu.exitInitializationMode()
+        self.to_continuous_time()
+
+    def to_continuous_time(self):
         self.fmu.updateDiscreteStates() if self.fmi3 else self.fmu.newDiscreteStates()
         self.fmu.enterContinuousTimeMode()
 

@@ -82,5 +82,18 @@ def test_plant_and_controller_for_a_second_of_closed_loop(vehicle, law, count):
     assert worst[1e-10] <= 1e-6 and worst[1e-12] <= 1e-8
 
 
+def test_a_flag_changes_at_events_only_and_a_completed_step_asks_for_one(law):
+    """It is discrete: in continuous time it keeps its value, however far the command is."""
+    law.begin()
+    assert law.fmu.completedIntegratorStep()[0] in (0, False) and law.get("elevator_saturated") == [0.0]
+    law.set(h=84000.0)
+    assert law.get("elevator_saturated", "h_error") == [0.0, -1000.0]
+    assert law.fmu.completedIntegratorStep()[0] in (1, True)
+    law.fmu.enterEventMode()
+    assert law.get("elevator_saturated") == [1.0]
+    law.to_continuous_time()
+    assert law.fmu.completedIntegratorStep()[0] in (0, False) and law.get("elevator_saturated") == [1.0]
+
+
 def test_the_states_are_those_of_the_model(vehicle):
     assert vehicle.states == plant.STATES

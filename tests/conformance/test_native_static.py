@@ -1,4 +1,7 @@
 """The sources of several FMUs in one static program, whose numbers are those of the shared libraries."""
+import os
+import shutil
+
 import pytest
 from native_host import HEADERS, HOSTS, MEASURED, STRICT, WARNINGS, Unpacked, initialiser, run
 from native_loop import Loaded
@@ -43,17 +46,29 @@ def members(native_fmus, tmp_path_factory):
     return [Unpacked.of(native_fmus[name], folder) for name in ("AhvController", "AhvBackstepping", "AhvPlant")]
 
 
-def test_three_fmus_fly_in_one_static_program(members, native_fmus, tmp_path):
+# Target of the compiler -> what runs its programs.
+ELSEWHERE = {"x86_64-windows-gnu": "wine", "aarch64-linux-musl": "qemu-aarch64"}
+
+
+@pytest.mark.parametrize("target", ["x86_64-linux-musl", *(
+    pytest.param(target, marks=[pytest.mark.slow, pytest.mark.skipif(
+        not shutil.which(runner), reason=f"no {runner}: apt-get install {package}")])
+    for (target, runner), package in zip(ELSEWHERE.items(), ("wine64", "qemu-user")))])
+def test_three_fmus_fly_in_one_static_program(members, native_fmus, tmp_path, target):
+    """Through both doors, on Windows and Arm as well."""
     (tmp_path / "wiring.h").write_text(wiring(*members))
     objects = []
     for prefix, member in zip("ABC", members):
         objects.append(tmp_path / f"{prefix}.o")
         cc(*WARNINGS, "-O0", "-ffp-contract=off", f"-DFMI2_FUNCTION_PREFIX={prefix}_",
-           f"-DFMI3_FUNCTION_PREFIX={prefix}_", "-c", "-o", objects[-1], member.folder / "sources" / "all.c")
-    program = tmp_path / "static"
+           f"-DFMI3_FUNCTION_PREFIX={prefix}_", "-c", "-o", objects[-1], member.folder / "sources" / "all.c",
+           target=target)
+    program = tmp_path / "static.exe"
     cc(*STRICT, "-static", f"-I{HEADERS}", f"-I{tmp_path}", "-o", program, HOSTS / "static.c", *objects, "-lm",
-       target="x86_64-linux-musl")
-    rows = [list(map(float.fromhex, line.split())) for line in run(program).splitlines()]
+       target=target)
+    said = run(*filter(None, [ELSEWHERE.get(target), program]),
+               env={**os.environ, "WINEDEBUG": "-all", "WINEPREFIX": str(tmp_path / "wine")})
+    rows = [list(map(float.fromhex, line.split())) for line in said.splitlines()]
     assert len(rows) == STEPS
     for row, shared in zip(rows, flown(native_fmus)):  # another C library has other last digits in its exponentials
         assert row == pytest.approx(shared, rel=1e-9, abs=1e-12)

@@ -12,6 +12,7 @@ from test_cases import ahv
 from test_foreign_masters import assert_same_flight
 
 import cosim
+import cosim.cli.app as cli
 import fmus
 
 EXAMPLES = ROOT / "docs" / "examples"
@@ -107,6 +108,51 @@ def test_fmpy_flies_each_alike_and_so_do_both_flavours(model, inputs, folder):
                                start_values=inputs, fmi_type="CoSimulation")
     for rows in (np.column_stack([theirs[name] for name in names]), flights["python"]):
         assert np.allclose(flights["native"], rows, rtol=1e-12, atol=1e-14)
+
+
+@pytest.fixture(scope="module")
+def fmi3(folder):
+    """The FMUs of FMI 3.0, which have the libraries of those of FMI 2.0."""
+    return {model: fmus.build(folder / f"{model}_model.py", "native", folder / "fmus", fmi="3") for model in MODELS}
+
+
+def test_as_fmi_3_they_are_checked_clean_and_fly_to_the_same_bits(folder, fmi3):
+    for path in fmi3.values():
+        assert [f for f in cosim.check(path, dynamic=False).findings if f.severity != "note"] == []
+    old = positioner(folder)
+    new = cosim.System([cosim.Component(c.name, fmi3[c.name]) for c in old.components], old.connections)
+    flights = [cosim.fly(system, step=0.01, stop=2) for system in (old, new)]
+    assert all(np.array_equal(flights[0][name], flights[1][name]) for name in flights[0])
+    description = fmpy.read_model_description(str(fmi3["pid"]))
+    assert float(description.coSimulation.fixedInternalStepSize) == 0.02
+
+
+@pytest.mark.parametrize("version", ["2", "3"])
+def test_the_spring_is_integrated_by_an_importers_solver(version, folder, fmi3):
+    path = fmi3["spring"] if version == "3" else fmu(folder, "spring")
+    found = fmpy.simulate_fmu(str(path), stop_time=3, start_values={"position_start": 0.1, "damping": 0.0},
+                              output=["position"], fmi_type="ModelExchange", relative_tolerance=1e-10)
+    assert np.allclose(found["position"], 0.1 * np.cos(5 * found["time"]), atol=1e-7)
+
+
+@pytest.mark.parametrize("module", [False, True])
+def test_the_command_builds_a_file_and_a_module(module, folder, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(folder.parent if module else folder)
+    name = f"{folder.name}.valve_model" if module else "valve_model.py"
+    with pytest.raises(SystemExit, match=r"^0$"):
+        cli.done(["build", name, "--flavour", "python", "--out", str(tmp_path)])
+    path = tmp_path / "python" / "Valve.fmu"
+    assert capsys.readouterr().err == f"{path}\n" and path.is_file()
+
+
+@pytest.mark.parametrize("word, told", [
+    ("Valve", "There is no model Valve; there are AhvPlant, "), ("../valve", "There is no model ../valve; there are "),
+    ("nowhere.py", "nowhere: there is no file nowhere.py in "),
+    ("nowhere.model", "nowhere.model: there is no module nowhere, neither in ")])
+def test_what_is_no_model_is_told(word, told, tmp_path, capsys):
+    assert cli.done(["build", word, "--out", str(tmp_path)]) == 2
+    assert capsys.readouterr().err.startswith(f"ahv: {told}")
+    assert not list(tmp_path.iterdir())
 
 
 def test_the_same_sources_give_the_same_bytes(folder, tmp_path):
