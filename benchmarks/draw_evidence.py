@@ -30,13 +30,13 @@ from claims import (  # noqa: E402
     operations,
 )
 from evidence import Loaded, fly, summary  # noqa: E402
+from exact_linear import GROUPS, linear_loop  # noqa: E402
 from studies import NOISE, SENSORS, ablation, envelope, limits  # noqa: E402
 
 from ahv_ctrl_fmu import backstepping_model, neural_model  # noqa: E402
 from ahv_ctrl_fmu.neural_model import PRESETS  # noqa: E402
 from ahv_plant_fmu import model as plant  # noqa: E402
 from cosim.analysis.margins import frequencies, margins_at, response  # noqa: E402
-from fmus.linearize import GROUPS, linear_loop  # noqa: E402
 
 PICTURES = HERE.parent / "docs" / "pictures"
 LAWS = {"neural, calibrated": ("neural", neural_model, "calibrated"),

@@ -20,6 +20,7 @@ HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parent / "tests"))
 
 from evidence import DEPARTED, GROUPS, Loaded, fly, summary  # noqa: E402
+from exact_linear import linear_loop, linear_vehicle  # noqa: E402
 from law_studies import PARTS, STRUCTURES, flights, independent, modes, without  # noqa: E402
 
 import ahv_plant_fmu.model as vehicle  # noqa: E402
@@ -28,7 +29,6 @@ from ahv_ctrl_fmu.resilient import SECTIONS, section_gains  # noqa: E402
 from ahv_ctrl_fmu.sections import section  # noqa: E402
 from cosim.analysis.margins import margins, response  # noqa: E402
 from fmus import floats  # noqa: E402
-from fmus.linearize import linear_loop, linear_vehicle  # noqa: E402
 
 PICTURES = HERE.parent / "docs" / "pictures"
 UNCERTAIN = str(HERE.parent / "docs" / "scenarios" / "uncertain.yaml")

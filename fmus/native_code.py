@@ -9,7 +9,6 @@ from .hoist import Hoisted, hoisted
 from .interface import Variable, computed, longest_step, names, states
 from .references import all_variables
 from .trace import Trace
-from .units import DEGREES
 
 ROLES = {"input": "INPUT", "output": "OUTPUT", "calculatedParameter": "CALCULATED_PARAMETER",
          "parameter": "PARAMETER", "local": "STATE", "independent": "TIME"}
@@ -79,11 +78,10 @@ def c_number(value: float | bool | None, otherwise: str = "0.0") -> str:
 
 def table_row(v: Variable, place: int, state: int) -> str:
     """A row of TABLE; `place` is where the value stands among those of its role, `state` which state it is, or -1."""
-    factor = DEGREES if v.display_unit else 1.0
     limits = f'{c_number(v.minimum, "-DBL_MAX")}, {c_number(v.maximum, "DBL_MAX")}'
     return (f'    {{"{v.name}", {"RATE" if v.derivative_of else ROLES[v.causality]}, {int(v.type == "Boolean")}, '
             f'{int(v.discrete)}, {place}, {state}, {c_number(v.start)}, {limits}, "{v.unit_suffix}", '
-            f'{c_number(factor)}}},')
+            f'{c_number(v.factor)}}},')
 
 
 def c_array(kind: str, name: str, values: list[str]) -> str:

@@ -5,13 +5,13 @@ from types import SimpleNamespace
 import casadi
 import numpy as np
 from evidence import fly
+from exact_linear import NoTrim, linear_loop, linear_vehicle
 
 from ahv_ctrl_fmu import backstepping_model, neural, neural_model
 from ahv_plant_fmu import model as plant
 from fmus import symbols
 from fmus.hoist import hoisted
 from fmus.interface import internal_steps, names, variables
-from fmus.linearize import NoTrim, linear_loop, linear_vehicle
 from fmus.native_code import rates
 from fmus.trace import symbol_namespace, trace_model
 

@@ -1,2 +1,3 @@
-"""A system linearised about its equilibrium, from its FMU files alone: poles, zeros, margins."""
+"""A system linearised about its equilibrium, or one FMU about a point, from the files: poles, zeros, margins."""
+from .alone import linearize_fmu as linearize_fmu
 from .report import linearize as linearize

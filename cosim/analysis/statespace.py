@@ -1,5 +1,6 @@
 """Linear systems as matrices with names, and their poles and zeros."""
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from math import pi
 from typing import Any
 
@@ -7,6 +8,8 @@ import numpy as np
 import scipy.linalg
 
 Array = np.ndarray
+NOTHING = 1e-8     # of other answers
+SHORT, TICKS = 0.01, 200  # s and ticks, to see which output of a system answers which input
 GONE = 1e-4  # what is left of a mode after one step when it is no pole any more that samples can tell
 
 
@@ -44,12 +47,41 @@ def zeros(system: StateSpace, source: str, target: str) -> Array:
     return rates(values[np.isfinite(values)], system.step)
 
 
+def zeros_of_all(system: StateSpace, outputs: Sequence[str], fastest: float = np.inf) -> dict[str, Any]:
+    """The zeros up to `fastest` from each input to each of `outputs`, by "input to output". A pair is left out whose
+    answer is rounding: next to nothing beside those of the input's other outputs and of the output's other inputs."""
+    answers = pulsed(system if system.step else sampled(system, SHORT), TICKS)
+    peaks = np.nan_to_num(np.abs(answers), posinf=np.finfo(float).max).max(axis=0)
+    row, column = peaks.max(axis=1, initial=0.0), peaks.max(axis=0, initial=0.0)
+    return {f"{i} to {o}": roots(zeros(system, i, o), fastest)
+            for k, i in enumerate(system.inputs) for j, o in enumerate(system.outputs)
+            if o in outputs and (peaks[j, k] > NOTHING * row[j] or peaks[j, k] > NOTHING * column[k])}
+
+
 def rates(values: Array, step: float) -> Array:
     """Eigenvalues of a system as rates, 1/s, smallest first: those of a sampled one without what is gone in a step."""
     values = values.astype(complex)
     if step:
         values = np.log(values[np.abs(values) > GONE]) / step
     return values[np.argsort(np.abs(values))]
+
+
+def sampled(system: StateSpace, step: float) -> StateSpace:
+    """What a continuous system does in steps of `step` seconds through which its inputs are held: its exact samples."""
+    n, m = system.B.shape
+    both = scipy.linalg.expm(step * np.block([[system.A, system.B], [np.zeros((m, n + m))]]))
+    A, B = both[:n, :n], both[:n, n:]
+    return replace(system, A=A, B=B, C=system.C @ A, D=system.C @ B + system.D, step=step)
+
+
+def pulsed(system: StateSpace, ticks: int) -> Array:
+    """What a sampled system shows of a pulse on each input, one tick long and of size 1: shape (ticks, outputs,
+    inputs)."""
+    x, found = system.B, [system.D]
+    for _ in range(ticks - 1):
+        found.append(system.C @ x)
+        x = system.A @ x
+    return np.array(found)
 
 
 def continuous(system: StateSpace) -> StateSpace | None:

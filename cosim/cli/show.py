@@ -42,10 +42,35 @@ def report_rows(rows: dict[str, dict[str, Any]]) -> None:
     Console().print(table)
 
 
-def short(loop: dict[str, Any]) -> dict[str, Any]:
-    """Poles as text, one of each pair."""
-    return {f"pole {i}": f"{p['real']:.3f} +-{p['imag']:.3f}j"
-            for i, p in enumerate(p for p in loop["poles"] if p["imag"] >= 0)}
+def root(found: dict[str, float]) -> str:
+    """A pole or zero (1/s) as text, which stands for its conjugate, too."""
+    real, imag = (0.0 if abs(found[part]) < 5e-4 else found[part] for part in ("real", "imag"))
+    return f"{real:.3f} +-{imag:.3f}j" if imag else f"{real:.3f}"
+
+
+def upper(roots: list[dict[str, float]]) -> list[dict[str, float]]:
+    """Real poles or zeros, and one of each complex pair."""
+    return [found for found in roots if found["imag"] >= 0]
+
+
+def report_poles(systems: dict[str, dict[str, Any]]) -> None:
+    """A table of the poles (1/s) of each system, with the damping of oscillations."""
+    columns = {name: [(root(p), f"{p['damping']:.3f}" if "j" in root(p) else "") for p in upper(system["poles"])]
+               for name, system in systems.items()}
+    longest = max(map(len, columns.values()), default=0)
+    rows: dict[str, dict[str, Any]] = {}
+    for name, found in columns.items():
+        filled = found + [("", "")] * (longest - len(found))
+        rows[name] = {f"pole {i}": pole for i, (pole, _) in enumerate(filled)}
+        rows[f"{name}: damping"] = {f"pole {i}": ratio for i, (_, ratio) in enumerate(filled)}
+    report_rows(rows)
+
+
+def report_zeros(system: dict[str, Any]) -> None:
+    """A table of a system's transmission zeros (1/s)."""
+    if system["zeros"]:
+        report_rows({"zeros": {pair: ", ".join(map(root, upper(found))) or "none"
+                               for pair, found in system["zeros"].items()}})
 
 
 def conclude(finished: bool, messages: list[str], trouble: str, interrupted: int = 0) -> None:

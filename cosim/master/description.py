@@ -142,9 +142,10 @@ class Description:
         """The unit of a variable, by its name alone where it is not defined; None without one."""
         return self.units.get(variable.unit, Unit(variable.unit)) if variable.unit else None
 
-    def claims(self, flag: str) -> bool:
-        """True when the CoSimulation element sets this capability flag (4.3.1)."""
-        return is_true((self.co_simulation or {}).get(CLAIMS.get(flag, flag) if self.flat else flag))
+    def claims(self, flag: str, exchange: bool = False) -> bool:
+        """True when the CoSimulation element, or with `exchange` ModelExchange, sets this capability flag (4.3.1)."""
+        element = self.model_exchange if exchange else self.co_simulation
+        return is_true((element or {}).get(CLAIMS.get(flag, flag) if self.flat else flag))
 
 
 def read(folder: Path) -> Description:

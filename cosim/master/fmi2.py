@@ -12,12 +12,14 @@ from fmpy.fmi2 import (
     fmi2CallbackFreeMemoryTYPE,
     fmi2CallbackFunctions,
     fmi2CallbackLoggerTYPE,
+    fmi2EventInfo,
     fmi2StepFinishedTYPE,
 )
 from fmpy.logging import addLoggerProxy
 
+from ..errors import RunError
 from .logger import ENVIRONMENTS, log
-from .program import OK, REAL, TEXT, WARNING, WHOLE
+from .program import MOST_ROUNDS, OK, REAL, TEXT, WARNING, WHOLE
 
 if TYPE_CHECKING:
     from .instance import Instance
@@ -27,21 +29,24 @@ DESERIALIZE = "DeSerialize"
 TYPES = {"Real": ("Real", REAL), "Integer": ("Integer", WHOLE), "Enumeration": ("Integer", WHOLE),
          "Boolean": ("Boolean", WHOLE), "String": ("String", TEXT)}
 LAST_SUCCESSFUL_TIME, TERMINATED = 2, 3  # fmi2StatusKind
-CO_SIMULATION = 1                        # fmi2Type
+MODEL_EXCHANGE, CO_SIMULATION = 0, 1     # fmi2Type
 
 
-def make_callbacks() -> fmi2CallbackFunctions:
-    """The callbacks that all instances are given."""
-    callbacks = fmi2CallbackFunctions()
-    callbacks.logger = fmi2CallbackLoggerTYPE(log)
-    callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(fmpy.calloc)
-    callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(fmpy.free)
-    callbacks.stepFinished = fmi2StepFinishedTYPE()
-    addLoggerProxy(ctypes.byref(callbacks))  # formats printf-style messages; there is one per process
-    return callbacks
+CALLBACKS = fmi2CallbackFunctions()  # what all instances are given
+CALLBACKS.allocateMemory = fmi2CallbackAllocateMemoryTYPE(fmpy.calloc)
+CALLBACKS.freeMemory = fmi2CallbackFreeMemoryTYPE(fmpy.free)
+CALLBACKS.stepFinished = fmi2StepFinishedTYPE()
+LOGGER = fmi2CallbackLoggerTYPE(log)
 
 
-CALLBACKS = make_callbacks()
+def take_messages() -> None:
+    """Have the messages of all instances, formatted by FMPy's proxy. There is one in a process: who lets FMPy simulate,
+    which takes it for a logger that goes with that simulation, calls this afterwards."""
+    CALLBACKS.logger = LOGGER
+    addLoggerProxy(ctypes.byref(CALLBACKS))
+
+
+take_messages()
 
 
 def instantiate(instance: "Instance") -> int | None:
@@ -51,7 +56,8 @@ def instantiate(instance: "Instance") -> int | None:
     ENVIRONMENTS[instance.number].callbacks = callbacks
     text, flag, pointer = ctypes.c_char_p, ctypes.c_int, ctypes.c_void_p
     make = instance.library.function("fmi2Instantiate", pointer, text, flag, text, text, pointer, flag, flag)
-    made: int | None = make(instance.name.encode(), CO_SIMULATION, instance.token.encode(),
+    kind = MODEL_EXCHANGE if instance.file.exchange else CO_SIMULATION
+    made: int | None = make(instance.name.encode(), kind, instance.token.encode(),
                             (instance.file.folder / "resources").resolve().as_uri().encode(),
                             ctypes.addressof(callbacks), 0, 1)
     return made
@@ -64,8 +70,22 @@ def enter(instance: "Instance", start: float, stop: float | None, tolerance: flo
 
 
 def leave(instance: "Instance", start: float) -> None:
-    """Leave Initialization Mode, ready to step."""
+    """Leave Initialization Mode, ready to step; in model exchange, come to the end of the events.
+
+    Raises RunError if the FMU ends the simulation at once, or does not come to the end of its events.
+    """
     instance.simple("fmi2ExitInitializationMode")
+    if not instance.file.exchange:
+        return
+    call, found = "fmi2NewDiscreteStates", fmi2EventInfo()
+    for _ in range(MOST_ROUNDS):
+        instance.check(instance.call(call, ctypes.c_void_p(ctypes.addressof(found))), call, start)
+        if found.terminateSimulation:
+            raise RunError(f"{instance.label} ended the simulation as it began, at t = {start:.6g} s.")
+        if not found.newDiscreteStatesNeeded:
+            instance.simple("fmi2EnterContinuousTimeMode")
+            return
+    raise RunError(f"{instance.label} does not come to the end of its events at t = {start:.6g} s.")
 
 
 def ended_at(instance: "Instance", begun: float, until: float) -> float | None:

@@ -44,18 +44,25 @@ LOGGER = ctypes.CFUNCTYPE(None, POINTER, ctypes.c_int, TEXT_TYPE, TEXT_TYPE)(
 
 
 def instantiate(instance: "Instance") -> int | None:
-    """fmi3InstantiateCoSimulation; where the instance is, or None.
+    """fmi3InstantiateCoSimulation, or ...ModelExchange; where the instance is, or None.
 
     With event mode if the FMU has one; without if it does not come with it, since some claim what they lack.
     """
-    make = instance.library.function("fmi3InstantiateCoSimulation", POINTER, *[TEXT_TYPE] * 3, *[FLAG] * 4, POINTER,
-                                     ctypes.c_size_t, POINTER, type(LOGGER), POINTER)
     resources = f"{instance.file.folder.resolve() / 'resources'}/"
     visible, logging, early_return = False, True, True
+    words = instance.name.encode(), instance.token.encode(), resources.encode()
+    if instance.file.exchange:
+        instance.uses_events = True
+        begin = instance.library.function("fmi3InstantiateModelExchange", POINTER, *[TEXT_TYPE] * 3, *[FLAG] * 2,
+                                          POINTER, type(LOGGER))
+        begun: int | None = begin(*words, visible, logging, instance.number, LOGGER)
+        return begun
+    make = instance.library.function("fmi3InstantiateCoSimulation", POINTER, *[TEXT_TYPE] * 3, *[FLAG] * 4, POINTER,
+                                     ctypes.c_size_t, POINTER, type(LOGGER), POINTER)
     for uses_events in (True, False) if instance.claims("hasEventMode") else (False,):
         instance.messages.clear()
-        made: int | None = make(instance.name.encode(), instance.token.encode(), resources.encode(), visible, logging,
-                                uses_events, early_return, None, 0, instance.number, LOGGER, None)
+        made: int | None = make(*words, visible, logging, uses_events, early_return, None, 0, instance.number, LOGGER,
+                                None)
         if made:
             instance.uses_events = uses_events
             return made
@@ -70,7 +77,7 @@ def enter(instance: "Instance", start: float, stop: float | None, tolerance: flo
 
 
 def leave(instance: "Instance", start: float) -> None:
-    """Leave Initialization Mode, ready to step.
+    """Leave Initialization Mode, ready to step; in model exchange, to Continuous-Time Mode.
 
     Raises RunError if the FMU ends the simulation at once, or does not come to the end of its events.
     """
@@ -85,7 +92,7 @@ def leave(instance: "Instance", start: float) -> None:
         if flags[1]:
             raise RunError(f"{instance.label} ended the simulation as it began, at t = {start:.6g} s.")
         if not flags[0]:
-            instance.simple("fmi3EnterStepMode")
+            instance.simple(f"fmi3Enter{'ContinuousTimeMode' if instance.file.exchange else 'StepMode'}")
             return
     raise RunError(f"{instance.label} does not come to the end of its events at t = {start:.6g} s.")
 

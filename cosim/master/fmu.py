@@ -3,7 +3,8 @@ import hashlib
 import math
 import re
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from os.path import isfile
 from pathlib import Path, PurePosixPath
 from typing import Any
@@ -13,7 +14,7 @@ import numpy as np
 from ..errors import UsageError, did_you_mean
 from ..temporary import Folder
 from ..text import printable
-from .declared import Variable, is_true
+from .declared import NUMERIC, Variable, is_true
 from .description import Description, read, usable
 from .parameter_set import parameters
 from .program import DTYPES
@@ -75,13 +76,15 @@ def limits(version: str, kind: str) -> tuple[float, float]:
     return int(np.iinfo(dtype).min), int(np.iinfo(dtype).max)
 
 
-def unflyable(description: Description) -> str:
-    """Why an FMU cannot be flown here, a sentence without its subject and full stop; empty if it can."""
-    version = description.version
+def unflyable(description: Description, exchange: bool = False) -> str:
+    """Why an FMU cannot be flown here, a sentence without its subject and full stop; empty if it can. With `exchange`,
+    why its equations cannot be read."""
+    version, kind = description.version, "model-exchange" if exchange else "co-simulation"
+    served = f"{kind} FMUs of FMI 2.0 and 3.0 are what {'is read' if exchange else 'runs'} here"
     if not VERSIONS.fullmatch(version):
-        return f"is FMI {version}; co-simulation FMUs of FMI 2.0 and 3.0 are what runs here"
-    if description.co_simulation is None:
-        return f"is FMI {version} without co-simulation; co-simulation FMUs of FMI 2.0 and 3.0 are what runs here"
+        return f"is FMI {version}; {served}"
+    if (description.model_exchange if exchange else description.co_simulation) is None:
+        return f"is FMI {version} without {kind.replace('model-e', 'model e')}; {served}"
     clock = next((v for v in description.variables if v.type == "Clock" and v.causality == "input"), None)
     return f"needs its clock {clock.name} to tick; input clocks are not served here" if clock else ""
 
@@ -101,6 +104,7 @@ class FmuFile:
     arrays: dict[str, list[str]] = field(init=False)    # of FMI 3.0: the names of their elements, in order
     listed: dict[str, list[str]] = field(init=False)    # causality -> the names of its variables
     corrupted: bool = False
+    exchange: bool = False  # its model-exchange interface is used, not co-simulation
 
     def __post_init__(self) -> None:
         self.scalars = [v for one in self.description.variables for v in one.elements()]
@@ -116,24 +120,21 @@ class FmuFile:
                 self.arrays.setdefault(v.array, []).append(v.name)
 
     @classmethod
-    def open(cls, path: Path) -> "FmuFile":
-        """Extract and read `path`.
+    def open(cls, path: Path, exchange: bool = False) -> "FmuFile":
+        """Extract and read `path`, for co-simulation or for model exchange.
 
-        Raises UsageError if it is missing, no co-simulation FMU of FMI 2.0 or 3.0, or needs clocks.
+        Raises UsageError if it is missing, no such FMU of FMI 2.0 or 3.0, or needs clocks.
         """
         existing(path)
         folder = Folder()
         try:
             safe_extract(path, folder.path)
             description = read(folder.path)
-            if reason := unflyable(description):
+            if reason := unflyable(description, exchange):
                 raise UsageError(f"{path} {reason}.")
-            assert description.co_simulation is not None
-            identifier = description.co_simulation.get("modelIdentifier", "")
-            if not identifier.isprintable() or set(identifier) & set("/\\"):  # it names the library that is loaded
-                raise UsageError(f"{path} cannot be opened: its modelIdentifier '{printable(identifier)}' is no name "
-                                 f"of a file in the FMU.")
-            return cls(path, folder, description, hashlib.sha256(path.read_bytes()).hexdigest())
+            found = cls(path, folder, description, hashlib.sha256(path.read_bytes()).hexdigest(), exchange=exchange)
+            found.check_identifier()
+            return found
         except BadArchive as error:
             folder.close()
             raise UsageError(f"{path} cannot be opened: {error}.") from None
@@ -170,12 +171,38 @@ class FmuFile:
 
     @property
     def identifier(self) -> str:
-        """modelIdentifier of the co-simulation interface, which also names the binaries."""
-        return (self.description.co_simulation or {}).get("modelIdentifier", "")
+        """modelIdentifier of the interface that is used, which also names the binaries."""
+        used = self.description.model_exchange if self.exchange else self.description.co_simulation
+        return (used or {}).get("modelIdentifier", "")
+
+    def check_identifier(self) -> None:
+        """Raise UsageError if the identifier, which names the library that is loaded, is no name of a file."""
+        name = self.identifier
+        if not name.isprintable() or set(name) & set("/\\"):
+            raise UsageError(f"{self.path} cannot be opened: its modelIdentifier '{printable(name)}' is no name of a "
+                             f"file in the FMU.")
+
+    def for_exchange(self) -> "FmuFile":
+        """The same file with its model-exchange interface in use. Raises UsageError as `open` does."""
+        if reason := unflyable(self.description, exchange=True):
+            raise UsageError(f"{self.path} {reason}.")
+        found = replace(self, exchange=True)
+        found.check_identifier()
+        return found
+
+    def claims(self, flag: str) -> bool:
+        """Whether the interface that is used claims a capability (FMI 2.0 section 4.3.1), by its name in FMI 2.0."""
+        return self.description.claims(flag, self.exchange)
 
     def names(self, causality: str) -> list[str]:
         """The variables of a causality, in the order of the description, arrays as their elements."""
         return [*self.listed.get(causality, ())]
+
+    @cached_property
+    def parameters(self) -> list[str]:
+        """The parameters of any kind that are numbers or truth values."""
+        return [n for causality in ("structuralParameter", "parameter", "calculatedParameter")
+                for n in self.names(causality) if self.variables[n].family in NUMERIC]
 
     def together(self, names: Iterable[str]) -> list[str]:
         """`names` with all elements of the arrays that they are in, which one call moves: each array's in a row."""

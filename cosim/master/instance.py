@@ -85,8 +85,8 @@ class Instance:
         return self.file.description.attributes.get(attribute, "")
 
     def claims(self, flag: str) -> bool:
-        """Whether the FMU claims a capability of co-simulation (FMI 2.0 section 4.3.1), by its name in FMI 2.0."""
-        return self.file.description.claims(flag)
+        """Whether the FMU claims a capability, see `FmuFile.claims`."""
+        return self.file.claims(flag)
 
     def function(self, name: str, *argument_types: Any) -> Any:
         """A C function of the library that takes the instance first and returns a status.
@@ -199,7 +199,7 @@ class Instance:
         self.standard.enter(self, start, stop, tolerance)
 
     def leave(self, start: float) -> None:
-        """From Initialization Mode at `start` (s) to ready to step."""
+        """From Initialization Mode at `start` (s) to ready to step, in model exchange to Continuous-Time Mode."""
         self.standard.leave(self, start)
 
     def reset(self) -> None:

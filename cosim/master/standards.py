@@ -24,7 +24,7 @@ class Standard(Protocol):
         """From instantiated to Initialization Mode; times in s. Raises RunError."""
 
     def leave(self, instance: "Instance", start: float) -> None:
-        """From Initialization Mode to ready to step. Raises RunError."""
+        """From Initialization Mode to ready to step, in model exchange to Continuous-Time Mode. Raises RunError."""
 
     def ended_at(self, instance: "Instance", begun: float, until: float) -> float | None:
         """See `Instance.ended_at`."""

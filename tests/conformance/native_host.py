@@ -10,9 +10,9 @@ from pathlib import Path
 import fmpy
 
 from fmus.native_compiler import cc
+from fmus.native_flavour import HEADERS
 
 HOSTS = Path(__file__).parent / "native"
-HEADERS = Path(fmpy.__file__).parent / "c-code"
 WARNINGS = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror"]
 STRICT = [*WARNINGS, "-O2", "-ffp-contract=off"]
 SANITIZE = ["-g", "-O1", "-fno-sanitize-recover=all"]

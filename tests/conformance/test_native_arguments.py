@@ -12,7 +12,7 @@ from fmus import native_flavour
 from fmus.builder import build
 
 OK = 0
-CO_SIMULATION, MODEL_EXCHANGE = 1, 0
+CO_SIMULATION = 1
 STEP_STATUS, PENDING, LAST_TIME, TERMINATED = range(4)  # fmi2StatusKind
 
 # Arguments after the instance: p a pointer, n a size, d a number, i an integer.
@@ -23,7 +23,10 @@ CALLS = {
     "fmi2GetFMUstate": "p", "fmi2SetFMUstate": "p", "fmi2FreeFMUstate": "p", "fmi2SerializedFMUstateSize": "pp",
     "fmi2SerializeFMUstate": "ppn", "fmi2DeSerializeFMUstate": "pnp", "fmi2GetDirectionalDerivative": "pnpnpp",
     "fmi2SetRealInputDerivatives": "pnpp", "fmi2GetRealOutputDerivatives": "pnpp", "fmi2DoStep": "ddi",
-    "fmi2CancelStep": "", **dict.fromkeys(["fmi2GetStatus", "fmi2GetRealStatus", "fmi2GetIntegerStatus",
+    "fmi2CancelStep": "", "fmi2EnterEventMode": "", "fmi2NewDiscreteStates": "p", "fmi2EnterContinuousTimeMode": "",
+    "fmi2CompletedIntegratorStep": "ipp", "fmi2SetTime": "d", "fmi2SetContinuousStates": "pn",
+    **dict.fromkeys(["fmi2GetDerivatives", "fmi2GetEventIndicators", "fmi2GetContinuousStates",
+                     "fmi2GetNominalsOfContinuousStates"], "pn"), **dict.fromkeys(["fmi2GetStatus", "fmi2GetRealStatus", "fmi2GetIntegerStatus",
                                            "fmi2GetBooleanStatus", "fmi2GetStringStatus"], "ip"),
 }
 TYPES = {"p": c_void_p, "n": c_size_t, "d": c_double, "i": c_int}
@@ -187,7 +190,7 @@ def test_an_instance_needs_a_name_its_kind_its_guid_and_memory(raw):
     callbacks, guid = raw.member.callbacks, raw.member.description.guid.encode()
     for text, arguments in {
             "needs a name": {"name": None}, "an instance of AhvPlant needs": {"name": b""},
-            "is for co-simulation only": {"kind": MODEL_EXCHANGE}, "the GUID NULL is not": {"guid": None}}.items():
+            "is for model exchange or co-simulation, not type 2": {"kind": 2}, "the GUID NULL is not": {"guid": None}}.items():
         assert instantiated(raw, **{"guid": guid, "callbacks": callbacks, **arguments}) is None
         assert raw.member.said[0][0] == ERROR and text in raw.member.said[0][2] and len(raw.member.said) == 1
     for missing in ("allocateMemory", "freeMemory"):
@@ -343,7 +346,7 @@ def outputs(m, t, x, u, p):
 def growing(tmp_path, monkeypatch):
     (tmp_path / "growing.py").write_text(GROWING)
     monkeypatch.syspath_prepend(tmp_path)
-    monkeypatch.setattr(native_flavour, "PLATFORMS", {"linux64": native_flavour.PLATFORMS["linux64"]})
+    monkeypatch.setattr(native_flavour, "PLATFORMS", {"x86_64-linux": native_flavour.PLATFORMS["x86_64-linux"]})
     with Talking(build("growing", "native", tmp_path / "dist")) as member:
         yield Raw(member)
     del sys.modules["growing"]

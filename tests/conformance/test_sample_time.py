@@ -62,6 +62,11 @@ def test_a_long_step_has_several_instants(law, step, runs):
     assert law.get("runs", "at", "length") == [runs, pytest.approx((runs - 1) * 0.1), 0.1]
 
 
+def test_it_runs_at_the_start_in_steps_however_short(law):
+    begun(law, 5.0)
+    assert stepped(law, 1e-9, 3, 5.0) == [[5.0, 1.0, 5.0]] * 3
+
+
 def test_before_it_ran_it_shows_its_start_and_afterwards_no_input_at_once(law):
     begun(law, signal=7.0)
     assert law.get(*SHOWN) == [7.0, 0.0, 0.0]

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from claims import ENVELOPE, LAW_MODELS, adapted_states, bounds, differentiator_poles, effects, gamma_zeros, operations
 from evidence import GROUPS
+from exact_linear import linear_loop, linear_vehicle
 
 from ahv_ctrl_fmu import neural, neural_model
 from ahv_ctrl_fmu.neural_model import PRESETS
@@ -14,7 +15,6 @@ from ahv_plant_fmu import model as plant
 from ahv_plant_fmu.equations import thrust_slope
 from ahv_plant_fmu.trim import level_trim
 from fmus import floats
-from fmus.linearize import linear_loop, linear_vehicle
 
 STABLE_PRESETS = ("calibrated", "steady", "coupled")
 

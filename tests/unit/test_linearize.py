@@ -1,9 +1,10 @@
-"""Linear systems from the traced models: against difference quotients, flights and hand calculation."""
+"""The oracle of `ahv linearize` against difference quotients, flights and hand calculation; margins of loops."""
 from importlib import import_module
 
 import numpy as np
 import pytest
 from evidence import fly
+from exact_linear import GROUPS, NoTrim, linear_loop, linear_vehicle, values_of, vehicle_trim
 
 from ahv_ctrl_fmu import neural_model
 from ahv_plant_fmu import model as plant
@@ -12,8 +13,6 @@ from ahv_plant_fmu.trim import NOMINAL
 from cosim.analysis.margins import frequencies, margins, margins_at, response
 from cosim.vehicle.registry import LAWS
 from fmus import floats
-from fmus.linear_report import linear_report
-from fmus.linearize import GROUPS, NoTrim, linear_loop, linear_vehicle, values_of, vehicle_trim
 
 
 def gains_of(law):
@@ -125,14 +124,3 @@ def test_a_trim_with_an_actuator_at_its_limit_is_none(limit, actuator):
     needed = linear_loop(plant, module, gains, 7700, 85000).y[actuator]
     with pytest.raises(NoTrim, match=r"an actuator is at its limit: fuel ratio 0\.267, elevator 12\.51 deg"):
         linear_loop(plant, module, {**gains, limit: needed}, 7700, 85000)
-
-
-def test_the_report_is_about_the_papers_trim():
-    module, gains = gains_of("neural")
-    found = linear_report(plant, module, gains, 7700, 85000, 0.01, {}, {}, margins_at)
-    assert found["theta_deg"] == pytest.approx(1.6325, abs=5e-5)
-    assert found["altitude_offset_ft"] == pytest.approx(0, abs=1e-6)
-    assert found["elevator_deg"] == pytest.approx(12.511, abs=5e-4)
-    assert found["fuel_ratio"] == pytest.approx(0.26703, abs=5e-6)
-    assert found["closed_loop"]["stable"] and -0.2 < found["closed_loop"]["abscissa"] < 0
-    assert set(found["margins"]) == {"fuel_ratio", "elevator", "V", "h", "gamma", "theta", "Q"}

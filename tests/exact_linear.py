@@ -1,4 +1,4 @@
-"""The vehicle and its closed loop about a trim as linear systems, from CasADi's Jacobians of the traced models.
+"""The oracle of `ahv linearize`: vehicle and closed loop as linear systems, from CasADi's Jacobians of the models.
 
 The vehicle alone is linearised in continuous time, from (1)-(9). The closed loop is linearised as it flies:
 sampled, the controller stepped first with the measurements held, then the plant with the controller's outputs
@@ -20,9 +20,9 @@ import numpy as np
 import numpy.typing as npt
 import scipy.linalg
 
-from . import floats, symbols
-from .interface import computed, internal_steps, names, variables
-from .trace import symbol_namespace, trace_model
+from fmus import floats, symbols
+from fmus.interface import computed, internal_steps, names, variables
+from fmus.trace import symbol_namespace, trace_model
 
 Array = npt.NDArray[Any]
 DEAD = 1e-5  # a sampled pole below this is one at 0, as accurately as eigenvalues of a deadbeat can be had
