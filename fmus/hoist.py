@@ -6,6 +6,10 @@ import casadi
 from .trace import Trace
 
 NONE = casadi.SX(0, 1)
+STEPS = {casadi.OP_FLOOR, casadi.OP_CEIL}
+COMPARISONS = {casadi.OP_LT, casadi.OP_LE, casadi.OP_EQ, casadi.OP_NE}
+EXACT = {casadi.OP_ADD, casadi.OP_SUB, casadi.OP_MUL, casadi.OP_DIV, casadi.OP_NEG, casadi.OP_SQ, casadi.OP_TWICE,
+         casadi.OP_FABS, casadi.OP_FMIN, casadi.OP_FMAX, casadi.OP_IF_ELSE_ZERO, casadi.OP_SQRT, casadi.OP_INV}
 CHEAP = 1.1  # outputs that make an advance longer by no more than this are taken along: half the code is in the caches
 
 
@@ -41,14 +45,38 @@ def entries(*vectors: casadi.SX) -> list[casadi.SX]:
     return [entry for vector in vectors if vector.numel() for entry in casadi.vertsplit(vector)]
 
 
+def before_jumps(program: casadi.Function) -> set[int]:
+    """The instructions that decide on which side of a jump a number lies: what is compared, and the arithmetic that
+    leads to a floor or ceil. They are computed as they stand: 49 / 49 is 1, and 49 * (1 / 49) is not."""
+    found: set[int] = set()
+    deciding: set[int] = set()  # places whose content leads to a step of floor, below this instruction
+    compared: set[int] = set()
+    for i in reversed(range(program.n_instructions())):
+        operation, into, of = program.instruction_id(i), program.instruction_output(i), program.instruction_input(i)
+        if operation in (casadi.OP_INPUT, casadi.OP_OUTPUT):
+            continue
+        leads_to_a_step = into[0] in deciding
+        if leads_to_a_step or into[0] in compared:
+            found.add(i)
+        deciding.difference_update(into)
+        compared.difference_update(into)
+        if operation in STEPS or (leads_to_a_step and operation in EXACT):
+            deciding.update(of)
+        elif operation in COMPARISONS:
+            compared.update(of)
+    return found
+
+
 def hoist(expressions: list[casadi.SX], known: list[casadi.SX], name: str
           ) -> tuple[list[casadi.SX], casadi.SX, casadi.SX]:
     """`expressions` with a new symbol for each largest part that has no symbols but `known`; these new symbols, called
-    `name`; the parts that they stand for. A division by such a part becomes a product with its reciprocal."""
+    `name`; the parts that they stand for. A division by such a part becomes a product with its reciprocal,
+    except `before_jumps`."""
     expressions = casadi.cse(expressions)
     given = {symbol.element_hash() for symbol in known}
     others = [s for s in casadi.symvar(casadi.veccat(*expressions)) if s.element_hash() not in given]
     program = casadi.Function("program", [casadi.veccat(*known), casadi.veccat(*others)], expressions)
+    exact = before_jumps(program)
     inputs, results = [known, others], [casadi.SX(e.sparsity()) for e in expressions]
     symbols: dict[int, casadi.SX] = {}
     parts: list[casadi.SX] = []
@@ -75,7 +103,7 @@ def hoist(expressions: list[casadi.SX], known: list[casadi.SX], name: str
         else:
             operands = [work[place] for place in of]
             early = all(is_known for _, is_known in operands)
-            if operation == casadi.OP_DIV and operands[1][1] and not early:
+            if operation == casadi.OP_DIV and operands[1][1] and not early and i not in exact:
                 divisor = operands[1][0]
                 reciprocal = reciprocals.setdefault(divisor.element_hash(), 1 / divisor)
                 work[into[0]] = operands[0][0] * taken(reciprocal, True), False

@@ -77,3 +77,13 @@ def test_outputs_are_taken_along_where_they_cost_next_to_nothing(trace):
     long = casadi.Function("advance", [t, h, x, u, p, c], [state])
     shown = casadi.Function("outputs", [t, x, u, p], [x])
     assert not hoisted(replace(trace, advance=long, outputs=shown), trace.derivative).advances_apart
+
+
+def test_what_decides_on_a_jump_is_computed_as_it_stands():
+    full = casadi.if_else(x[0] / p[0] >= 1, 1.0, 0.0)
+    counted = casadi.floor(0.5 + x[1] / p[0])
+    results, symbols, _ = hoist([casadi.vertcat(full, counted, casadi.sin(x[0] / p[1]))], entries(p), "k")
+    found = casadi.Function("found", [casadi.veccat(x, p, symbols)], results)
+    assert "/p_0" in str(results[0]) and "/p_1" not in str(results[0])
+    for n in range(1, 200):  # 49 * (1 / 49) is below 1
+        assert found([n, 1.5 * n, n, 1, 1, 1])[:2].elements() == [1, 2]
