@@ -26,7 +26,7 @@ from .check_table import (
     line_of_text,
 )
 from .integrators import METHODS, USUAL_ORDER, advancing
-from .interface import GIVEN, computed, sample_time, variables
+from .interface import GIVEN, computed, names, sample_time, variables
 from .lines import file_place, function_place
 from .mistakes import ModelError as ModelError
 from .mistakes import nearest
@@ -51,6 +51,7 @@ def checked_trace(model: ModuleType) -> Trace:
     trace: Trace = attempt(model, SimpleNamespace(), SimpleNamespace(), trace_model, model)
     check_constants(model, trace)
     check_shown_states(model, trace)
+    check_symbols(model)
     return trace
 
 
@@ -82,8 +83,9 @@ def check_parts(model: ModuleType) -> None:
             raise ModelError(model, f"{function}{signature(written)} has other arguments than "
                                     f"{function}({arguments}), as which it is called",
                              function_place(written)) from None
-    if getattr(model, "ORDER", USUAL_ORDER) not in METHODS:
-        raise ModelError(model, f"ORDER {model.ORDER!r} is not allowed; the methods have the orders "
+    order = getattr(model, "ORDER", USUAL_ORDER)
+    if type(order) is not int or order not in METHODS:
+        raise ModelError(model, f"ORDER {order!r} is not allowed; the methods have the orders "
                                 f"{', '.join(map(str, METHODS))}")
 
 
@@ -96,8 +98,13 @@ def check_functions(model: ModuleType) -> None:
     u, p = (SimpleNamespace(**{v.name: v.start for v in table if v.causality == kind}) for kind in GIVEN)
     h = sample_time(table) or min(STEP, float(getattr(p, "internal_step", STEP)))
 
-    def call(name: str, *arguments: Any) -> Any:
-        return attempt(model, u, p, getattr(model, name), floats, *arguments)
+    def call(name: str, *arguments: Any, function: Callable[..., Any] | None = None) -> Any:
+        of = function or getattr(model, name)
+        found, again = (attempt(model, u, p, of, floats, *arguments) for _ in range(2))
+        if repr(again) != repr(found):
+            raise ModelError(model, f"{name}() gives something else when it is called again with the same arguments; "
+                                    "it must depend on nothing else", function_place(getattr(model, name, None)))
+        return found
 
     x = call("start", u, p)
     check_numbers(model, "start", x, "state")
@@ -114,7 +121,7 @@ def check_functions(model: ModuleType) -> None:
             raise ModelError(model, f"derivative() returns {len(rates)} rates, STATES has {len(model.STATES)} entries, "
                                     f"start() returns {len(x)} states; a rate and an entry belong to each of the first "
                                     "states, and the rest are memories", function_place(model.derivative))
-    later = attempt(model, u, p, advancing(model), floats, 0.0, h, x, u, p, c)
+    later = call("advance", 0.0, h, x, u, p, c, function=advancing(model))
     check_numbers(model, "advance", later, "state")
     if len(later) != len(x):
         raise ModelError(model, f"advance() returns {len(later)} states, but start() {len(x)}; their number is fixed",
@@ -197,3 +204,35 @@ def check_shown_states(model: ModuleType, trace: Trace) -> None:
         if isinstance(entry, str) and not casadi.is_equal(y[place(entry)], x[i]):
             raise ModelError(model, f"outputs() gives something else for {entry} than state {i}, which STATES names so",
                              function_place(model.outputs))
+
+
+def check_symbols(model: ModuleType) -> None:
+    """Raises ModelError for a function that changes its arguments, and for a calculated parameter that would change
+    during a flight."""
+    table = variables(model.VARIABLES)
+    t, h = casadi.SX.sym("t"), casadi.SX.sym("h")
+    u, p = (SimpleNamespace(**{name: casadi.SX.sym(name) for name in names(table, kind)}) for kind in GIVEN)
+
+    def call(name: str, *arguments: Any) -> Any:
+        if not hasattr(model, name):
+            return []
+        before = repr((u, p, arguments))
+        found = attempt(model, u, p, getattr(model, name), symbols, *arguments)
+        if repr((u, p, arguments)) != before:
+            raise ModelError(model, f"{name}() changes its arguments; it must leave x, u and p as they are, and return "
+                                    "what is new", function_place(getattr(model, name)))
+        return found
+
+    x = [casadi.SX.sym(f"x[{i}]") for i in range(len(call("start", u, p)))]
+    c = [casadi.SX.sym(f"c[{i}]") for i in range(len(call("prepare", p, h)))]
+    call("derivative", t, x, u, p)
+    call("advance", t, h, x, u, p, c)
+    y = call("outputs", t, x, u, p)
+    changing = [("t", t), *((f"u.{name}", symbol) for name, symbol in vars(u).items()),
+                *((symbol.name(), symbol) for symbol in x[:len(getattr(model, "STATES", []))])]
+    for name in names(table, "calculatedParameter"):
+        for of, symbol in changing:
+            if casadi.depends_on(casadi.SX(y[name]), symbol):
+                raise ModelError(model, f"outputs() computes {name} from {of}, which changes; a calculatedParameter "
+                                        "depends on parameters and memories only, another is an output",
+                                 function_place(model.outputs))

@@ -11,6 +11,7 @@ from .lines import file_place, function_place, key_place, row_place
 from .mistakes import ModelError, nearest
 from .units import BASE_UNITS, WORTH, Worth, si_base
 
+STATE_ROW = "; a state that is no output is a row of STATES"
 STEPS = ("internal_step", "sample_time")
 KINDS = ("", "frequency", "discrete")  # what may follow a unit, see `fmus.interface`
 NAME_RULE = ("a name has ASCII letters, digits and _, begins with no digit and is no Python keyword, no keyword of C "
@@ -83,7 +84,8 @@ def check_row(model: ModuleType, place: Place, causalities: tuple[str, ...], fou
     if name in found:
         raise mistake(f"{name} stands twice in the table; names must differ")
     if causality not in causalities:
-        raise mistake(f"{name}: causality {causality!r} is none of {', '.join(causalities)}")
+        raise mistake(f"{name}: causality {causality!r} is none of {', '.join(causalities)}"
+                      f"{STATE_ROW if causality == 'local' else ''}")
     reason = unit_mistake(unit, getattr(model, "UNITS", {}))
     if reason:
         raise mistake(f"{name}: {reason}")

@@ -13,7 +13,7 @@ def interpolated(where: Callable[[Any, Any, Any], Any], at: Any, points: Sequenc
     `where` is a backend's. `points` are numbers that increase, at least two; `values` as many, symbols too. Raises
     ValueError for others.
     """
-    if not all(isinstance(point, Real) for point in points) or any(a >= b for a, b in pairwise(points)):
+    if not all(isinstance(point, Real) for point in points) or not all(a < b for a, b in pairwise(points)):
         raise ValueError(f"the points of a lookup table are numbers that increase, not {list(points)}")
     if len(points) < 2 or len(values) != len(points):
         raise ValueError(f"a lookup table has at least two points and a value for each, not {len(points)} and "

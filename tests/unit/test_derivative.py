@@ -85,6 +85,21 @@ MISTAKES = {
         "there are STATES, but no function derivative; STATES name its rates"),
     "an order that there is not": ("ORDER = 2", "ORDER = 3",
         "ORDER 3 is not allowed; the methods have the orders 1, 2, 4, 6"),
+    "an order that is no number": ("ORDER = 2", "ORDER = [2]",
+        "ORDER [2] is not allowed; the methods have the orders 1, 2, 4, 6"),
+    "a state among the variables": ("VARIABLES = [", f"VARIABLES = [{STATE}, ", "speed: causality 'local' is none of "
+        "input, output, calculatedParameter, parameter; a state that is no output is a row of STATES"),
+    "a state that is overwritten": ("return [x[1], u.force", "x[1] = 0.0; return [x[1], u.force",
+        "derivative() changes its arguments; it must leave x, u and p as they are, and return what is new"),
+    "an input that is overwritten": ("return [x[1], u.force", "u.force = 0.0; return [x[1], u.force",
+        "derivative() changes its arguments; "),
+    "chance": ("return [x[1], u.force", "import random; return [random.random(), u.force",
+        "derivative() gives something else when it is called again with the same arguments; it must depend on nothing"),
+    "a calculated parameter that changes": ('"began": x[2]', '"began": u.force',
+        "outputs() computes began from u.force, "
+        "which changes; a calculatedParameter depends on parameters and memories only, another is an output"),
+    "a table's point that is no number": ("return [x[1], u.force", 'return [m.interpolate(x[1], [0.0, float("nan")], '
+        '[1.0, 2.0]), u.force', "derivative() in spring.py, line 22, fails with ValueError: the points of a lookup "),
     "no states": ("STATES = [", "ROWS = [", "STATES is missing or is not a list; beside derivative it has, for each"),
     "a state of no output": ('["place", ', '["plase", ', "STATES names plase, which is no continuous output (did you "
         "mean place?); a state that is no output is a row with the causality 'local'"),
