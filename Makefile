@@ -36,6 +36,7 @@ build: setup
 # A release: a wheel that carries the native FMUs, the FMUs of both FMI versions, checksums, a bill of materials.
 dist: build
 	rm -rf dist/release
+	$(BIN)/python -m cosim.master.compile_loop
 	$(BIN)/python -m hatchling build -t wheel -d dist/release
 	$(BIN)/python -m fmus.release dist/release
 
@@ -65,9 +66,10 @@ mutants: build
 	$(BIN)/python tests/mutants
 	$(BIN)/python tests/mutants --table
 
-# The native controller in hosts for Windows (Debian's wine64) and Arm (qemu-user), and the long valgrind runs.
+# The native controller in hosts for Windows (Debian's wine64) and Arm (qemu-user), on a board (qemu-system-arm and
+# picolibc-arm-none-eabi) and as WebAssembly (nodejs), and the long valgrind runs.
 foreign-hosts: build
-	$(BIN)/python -m pytest -m slow tests/conformance/test_native_hosts.py
+	$(BIN)/python -m pytest -m slow $(patsubst %,tests/conformance/test_%.py,native_hosts board wasm component)
 
 # Our FMUs in the importers of others (1.7 GB more on disk, in .venv-peers). Writes docs/importers.md.
 peers: build $(PEERS)
@@ -99,4 +101,4 @@ docs: setup
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet --strict
 
 clean:
-	rm -rf .venv .venv-oldest .venv-peers results dist fmus/dist site
+	rm -rf .venv .venv-oldest .venv-peers results dist fmus/dist cosim/master/built site

@@ -22,6 +22,9 @@ from .differentiator import (
 from .ports import gamma_command, limited, start_trim
 
 NODES = 20
+LAST = NODES - 1
+HALF = NODES // 2
+TINY, FAR = 1e-300, 750.0  # where all nodes are one; where exp(-distance) is 0
 NEWTON_STEPS, DIFFERENCE = 6, 1e-6
 
 State = namedtuple("State", "V_ref h_ref V_integral phi_1 chi chi_d e_integral phi_2 elevator theta_trim")
@@ -41,18 +44,44 @@ def pack(s):
 def activation(m, dimensions):
     """h^T h of (11) for NODES nodes spaced evenly along the diagonal of a box.
 
-    `dimensions` has (input, low, high, width) for each network input. The centres lie on a line, so
-    the squared distance is quadratic in the node's index; h_j^2 = exp(-distance^2), the half cancels.
+    `dimensions` has (input, low, high, width) for each network input. The centres lie on a line, so h_j^2, which is
+    exp(-distance^2) (the half cancels), is a Gaussian in the node's index j. It is summed from the node nearest the
+    input to both ends: n nodes on it is weight_n ratio^n times as large, where neither is above 1 and the weights
+    depend on parameters only.
     """
-    a = b = c = 0.0
+    line, c = [], 0.0
     for value, low, high, width in dimensions:
-        offset = (value - low) / width
-        stride = (high - low) / (width * (NODES - 1))
-        a = a + offset * offset
-        b = b + offset * stride
+        offset, stride = (value - low) / width, (high - low) / (width * LAST)
+        line.append((offset, stride))
         c = c + stride * stride
-    b, exp = 2 * b, m.exp
-    return sum([exp((b - c * j) * j - a) for j in range(NODES)])
+    place, distance, slope = 0.5, 0.0, 0.0
+    for offset, stride in line:
+        place = place + offset * (stride / m.fmax(c, TINY))
+    nearest = m.floor(m.fmin(m.fmax(place, 0.0), LAST))
+    for offset, stride in line:
+        rest = offset - nearest * stride
+        distance, slope = distance + rest * rest, slope + rest * (2 * stride)
+
+    late = nearest > LAST / 2  # then the line is turned: HALF nodes or more lie ahead, fewer than HALF behind
+    slope, behind = m.where(late, -slope, slope), m.where(late, LAST - nearest, nearest)
+    factor, weights, q = 1.0, [1.0], m.exp(-2 * c)  # weight_n is exp(-c (n^2 - n))
+    for _ in range(LAST - 1):
+        factor = factor * q
+        weights.append(weights[-1] * factor)
+    ahead = weights[:HALF] + [m.where(n <= LAST - behind, weights[n - 1], 0.0) for n in range(HALF + 1, NODES)]
+    others = [m.where(n <= behind, weights[n - 1], 0.0) for n in range(1, HALF)]
+    up, down = m.exp(m.fmin(slope - c, 0.0)), m.exp(m.fmin(-slope - c, 0.0))
+    nodes = 1 + up * polynomial(ahead, up) + down * polynomial(others, down)
+    return m.where(distance < FAR, m.exp(-distance) * nodes, 0.0)  # beyond, nodes may be inf * 0
+
+
+def polynomial(coefficients, z):
+    """The polynomial with `coefficients` (of z^0 first) at z; in pairs, so that few products wait for others."""
+    while len(coefficients) > 1:
+        pairs = [even + z * odd for even, odd in zip(coefficients[::2], coefficients[1::2])]
+        coefficients = pairs + coefficients[2 * len(pairs):]
+        z = z * z
+    return coefficients[0]
 
 
 def tracked_angle(u, s, p):

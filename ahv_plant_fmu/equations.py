@@ -8,8 +8,7 @@ State x = [V, h, gamma, theta, Q, eta1, eta1_dot, eta2, eta2_dot].
 
 def dynamic_pressure(m, V, h, p):
     """q = rho V^2 / 2 with the exponential atmosphere of (8), lbf/ft^2."""
-    density = p.air_density_0 * m.exp(-(h - p.h_0) / p.h_scale)
-    return 0.5 * density * V * V
+    return 0.5 * p.air_density_0 * V * V * m.exp((p.h_0 - h) / p.h_scale)
 
 
 def thrust_slope(alpha, p):
@@ -22,45 +21,54 @@ def thrust_offset(alpha, p):
     return ((p.beta_2 * alpha + p.beta_4) * alpha + p.beta_6) * alpha + p.beta_8
 
 
-def thrust(alpha, fuel_ratio, p):
-    """T of (8), (9), lbf/ft."""
-    return thrust_slope(alpha, p) * fuel_ratio + thrust_offset(alpha, p)
+# The forces are polynomials in alpha whose coefficients held inputs and parameters decide: these are computed once a
+# step, so factors stand with them.
 
 
-def lift(q, alpha, elevator, p):
-    """L of (8), lbf/ft."""
-    return q * p.reference_area * (p.CL_alpha * alpha + p.CL_elevator * elevator + p.CL_0)
+def thrust(alpha, fuel_ratio, p, scale=1.0):
+    """`scale` times T of (8), (9), lbf/ft."""
+    cubic, square = scale * (p.beta_1 * fuel_ratio + p.beta_2), scale * (p.beta_3 * fuel_ratio + p.beta_4)
+    linear, constant = scale * (p.beta_5 * fuel_ratio + p.beta_6), scale * (p.beta_7 * fuel_ratio + p.beta_8)
+    return ((cubic * alpha + square) * alpha + linear) * alpha + constant
 
 
-def drag(q, alpha, elevator, p):
-    """D of (8), lbf/ft."""
-    return (q * p.reference_area
-            * ((p.CD_alpha2 * alpha + p.CD_alpha) * alpha
-               + (p.CD_elevator2 * elevator + p.CD_elevator) * elevator + p.CD_0))
+def lift(q, alpha, elevator, p, scale=1.0):
+    """`scale` times L of (8), lbf/ft."""
+    area = scale * p.reference_area
+    return q * (area * p.CL_alpha * alpha + area * (p.CL_elevator * elevator + p.CL_0))
 
 
-def aerodynamic_moment(q, alpha, elevator, p):
-    """The part of M in (8) that is not due to thrust, lbf.ft/ft."""
-    return (q * p.reference_area * p.chord
-            * ((p.CM_alpha2 * alpha + p.CM_alpha) * alpha + p.CM_0 + p.CM_elevator * elevator))
+def drag(q, alpha, elevator, p, scale=1.0):
+    """`scale` times D of (8), lbf/ft."""
+    area = scale * p.reference_area
+    return q * ((area * p.CD_alpha2 * alpha + area * p.CD_alpha) * alpha
+                + area * ((p.CD_elevator2 * elevator + p.CD_elevator) * elevator + p.CD_0))
 
 
-def generalised_forces(alpha, elevator, p):
-    """N1, N2 of (8), 1/s^2."""
-    return ((p.N1_alpha2 * alpha + p.N1_alpha) * alpha + p.N1_0,
-            (p.N2_alpha2 * alpha + p.N2_alpha) * alpha + p.N2_0 + p.N2_elevator * elevator)
+def aerodynamic_moment(q, alpha, elevator, p, scale=1.0):
+    """`scale` times the part of M in (8) that is not due to thrust, lbf.ft/ft."""
+    volume = scale * p.reference_area * p.chord
+    return q * ((volume * p.CM_alpha2 * alpha + volume * p.CM_alpha) * alpha
+                + volume * (p.CM_0 + p.CM_elevator * elevator))
+
+
+def generalised_forces(alpha, elevator, p, scale=1.0):
+    """`scale` times N1, N2 of (8), 1/s^2."""
+    return ((scale * p.N1_alpha2 * alpha + scale * p.N1_alpha) * alpha + scale * p.N1_0,
+            (scale * p.N2_alpha2 * alpha + scale * p.N2_alpha) * alpha
+            + scale * (p.N2_0 + p.N2_elevator * elevator))
 
 
 def forces(m, x, fuel_ratio, elevator, scale, p):
     """(q, T, L, D, M, N1, N2) of (8), (9) with every coefficient group scaled."""
     alpha = x[3] - x[2]
     q = dynamic_pressure(m, x[0], x[1], p)
-    T = scale.thrust * thrust(alpha, fuel_ratio, p)
-    L = scale.lift * lift(q, alpha, elevator, p)
-    D = scale.drag * drag(q, alpha, elevator, p)
-    M = p.thrust_arm * T + scale.moment * aerodynamic_moment(q, alpha, elevator, p)
-    N1, N2 = generalised_forces(alpha, elevator, p)
-    return q, T, L, D, M, scale.forces * N1, scale.forces * N2
+    T = thrust(alpha, fuel_ratio, p, scale.thrust)
+    L = lift(q, alpha, elevator, p, scale.lift)
+    D = drag(q, alpha, elevator, p, scale.drag)
+    M = p.thrust_arm * T + aerodynamic_moment(q, alpha, elevator, p, scale.moment)
+    N1, N2 = generalised_forces(alpha, elevator, p, scale.forces)
+    return q, T, L, D, M, N1, N2
 
 
 def derivative(m, x, fuel_ratio, elevator, scale, p):
@@ -73,14 +81,14 @@ def derivative(m, x, fuel_ratio, elevator, scale, p):
 
     V_dot = (T * m.cos(alpha) - D) / mass - g * sin_gamma                               # (1)
     h_dot = V * sin_gamma                                                               # (2)
-    gamma_dot = (L + T * m.sin(alpha)) / (mass * V) - g * m.cos(gamma) / V              # (3)
+    gamma_dot = g / V * ((L + T * m.sin(alpha)) / (mass * g) - m.cos(gamma))            # (3)
     # (6), (7): k1 eta1'' + c eta2'' = r1, c eta1'' + k2 eta2'' = r2; printed with s = 1, energy is kept with s = -1
     s = p.coupling_sign
     k1, k2, c = 1 + s * psi1 * psi1 / Iyy, 1 + s * psi2 * psi2 / Iyy, s * psi1 * psi2 / Iyy
-    r1 = -2 * p.zeta_1 * p.omega_1 * eta1_dot - p.omega_1 * p.omega_1 * eta1 + N1 - s * psi1 * M / Iyy
-    r2 = -2 * p.zeta_2 * p.omega_2 * eta2_dot - p.omega_2 * p.omega_2 * eta2 + N2 - s * psi2 * M / Iyy
+    r1 = -2 * p.zeta_1 * p.omega_1 * eta1_dot - p.omega_1 * p.omega_1 * eta1 + N1 - s * psi1 / Iyy * M
+    r2 = -2 * p.zeta_2 * p.omega_2 * eta2_dot - p.omega_2 * p.omega_2 * eta2 + N2 - s * psi2 / Iyy * M
     determinant = k1 * k2 - c * c
-    eta1_ddot = (k2 * r1 - c * r2) / determinant
-    eta2_ddot = (k1 * r2 - c * r1) / determinant
+    eta1_ddot = k2 / determinant * r1 - c / determinant * r2
+    eta2_ddot = k1 / determinant * r2 - c / determinant * r1
     Q_dot = (M + psi1 * eta1_ddot + psi2 * eta2_ddot) / Iyy                             # (5)
     return [V_dot, h_dot, gamma_dot, Q, Q_dot, eta1_dot, eta1_ddot, eta2_dot, eta2_ddot]  # (4)

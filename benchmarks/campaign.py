@@ -1,4 +1,5 @@
-"""A campaign of Case 1 with one worker and with two, and the plain way beside it: `ahv bench campaign`.
+"""A campaign of Case 1 with one worker and with two, the same flights in two processes that do nothing else, and the
+plain way: `ahv bench campaign`.
 
 The plain way is what one would write at first: a Python loop over fmpy, pythonfmu FMUs, a multiprocessing pool. It is
 measured on fewer runs, with the same draws, loading the FMUs anew for each run. Options: --runs N (1000), --plain-runs
@@ -13,11 +14,13 @@ import sys
 import tempfile
 import time
 from multiprocessing import get_context
+from multiprocessing.synchronize import Barrier
 from pathlib import Path
 
 import yaml
 
 AHV = Path(sys.executable).parent / "ahv"
+SAMPLE = 200  # runs
 FILE = Path(__file__).parent.parent / "docs" / "campaigns" / "mild.yaml"
 
 
@@ -34,6 +37,41 @@ def ours(file: Path, workers: int, folder: Path) -> dict[str, float]:
     wall, summary = time.perf_counter() - began, json.loads(said)
     return {"workers": workers, "wall_s": wall, "cpu_s": children_cpu() - before, "flying_s": summary["flying_s"],
             "runs_per_s": summary["runs"] / summary["flying_s"]}
+
+
+def wait_for(barrier: Barrier) -> None:
+    """Keep what processes of a pool wait for, so that they begin together."""
+    global together
+    together = barrier
+
+
+def flights(file: Path, first: int, last: int) -> float:
+    """Seconds that the flights of these runs take in this process: systems are loaded, nothing is written."""
+    from cosim.campaign.plan import load
+    from cosim.campaign.worker import LoadedSystems, keep, requests
+
+    plan = load(file)
+    with tempfile.TemporaryDirectory() as folder:
+        for stored, path in plan.fmus.items():
+            keep(Path(folder), stored, path.read_bytes())
+        systems, asked = LoadedSystems(plan.job, Path(folder)), list(requests(plan.job, first, last))
+        systems.fly(asked[0])
+        together.wait()
+        began = time.perf_counter()
+        for request in asked:
+            systems.fly(request)
+        took = time.perf_counter() - began
+        systems.close()
+    return took
+
+
+def alone(file: Path, runs: int, sample: int) -> float:
+    """Seconds that `runs` flights take in two processes that do nothing else, by a `sample` of them."""
+    context = get_context("spawn")
+    with context.Pool(2, wait_for, (context.Barrier(2),)) as pool:
+        half = sample // 2
+        took = pool.starmap(flights, [(file, 0, half), (file, half, sample)], chunksize=1)
+    return max(took) * runs / sample
 
 
 def plain_run(values: dict[str, dict[str, float]]) -> float:
@@ -113,8 +151,12 @@ def main() -> None:
         folder = Path(name)
         file = folder / "campaign.yaml"
         file.write_text(yaml.dump({**yaml.safe_load(FILE.read_text()), "runs": options.runs}, sort_keys=False))
-        found = [ours(file, workers, folder / f"out{workers}") for workers in (1, 2)]
-        result = {"load_average": os.getloadavg()[0], "campaign": found,
+        before = alone(file, options.runs, SAMPLE)
+        found = [ours(file, workers, folder / f"out{workers}") for workers in (2, 1)][::-1]
+        flown = (before + alone(file, options.runs, SAMPLE)) / 2
+        result = {"load_average": os.getloadavg()[0], "campaign": found, "flights_alone_s": flown,
+                  "efficiency_while_flying": flown / found[1]["flying_s"],
+                  "efficiency_from_command_to_report": flown / found[1]["wall_s"],
                   "efficiency_of_two": found[0]["flying_s"] / (2 * found[1]["flying_s"]),
                   "efficiency_of_two_by_cpu": found[0]["cpu_s"] / found[1]["cpu_s"]}
         if options.plain_runs:

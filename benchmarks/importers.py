@@ -39,6 +39,7 @@ class Importer:
     limit: float = EXACT
     remark: str = ""
     fails: str = ""                   # what it says where it cannot; `remark` says why
+    fails3: str = ""                  # what it says where it cannot fly FMUs of FMI 3.0; "" if it can
 
     @property
     def python(self) -> Path:
@@ -56,7 +57,8 @@ IMPORTERS = [
     Importer("gemseo-fmu", CONTROLLER, "gemseo-fmu", "gemseo-fmu"),
     Importer("fmugym", CONTROLLER, "fmugym", "python", limit=1e-5,
              remark="observations are single precision; it reads none at the start"),
-    Importer("libcosim", LOOP, "libcosimpy", remark="its clock counts nanoseconds"),
+    Importer("libcosim", LOOP, "libcosimpy", remark="its clock counts nanoseconds; it reads no FMI 3.0",
+             fails3="Unable to create execution"),
     Importer("ecos", LOOP, "ecospy", remark="its clock adds up steps"),
     Importer("fmucontainer", LOOP, "fmu-manipulation-toolbox", remark="its row at the start is from before the loop is "
              "closed, and is left out"),
@@ -68,6 +70,7 @@ IMPORTERS = [
     Importer("gemseo-fmu", ONE, "gemseo-fmu", "gemseo-fmu"),
     Importer("fmugym", ONE, "fmugym", "python", limit=1e-5, remark="observations are single precision"),
     Importer("syssimx", LOOP, "syssimx", "python", fails="communication step 0 s is not a positive number",
+             fails3="Only FMI 2.0 is supported",
              remark="it reads the FMUs and their units; at the start it takes a step of 0 s, which FMI 2.0 does not "
                     "allow (section 4.2.2)"),
     Importer("pyssp-standard", SSP, "pyssp-standard", "python",
@@ -78,9 +81,10 @@ NOT_HERE = ("OMSimulator cannot be tried here: its package loads the program fro
 
 
 class Files:
-    """What is flown, in `folder`: Case 1 as an SSP and as one FMU, the controller; the signals and start values."""
+    """What is flown, in `folder`: Case 1 as an SSP and (of FMI 2.0) as one FMU, the controller; the signals and start
+    values. `flavour` is native or native-fmi3."""
 
-    def __init__(self, folder: Path):
+    def __init__(self, folder: Path, flavour: str = "native"):
         import cosim
         from cosim.ssp.container import write_container
         from cosim.ssp.write import write
@@ -89,11 +93,12 @@ class Files:
         from fmus.places import found
 
         plan = scenarios.load("case1")
-        self.folder, self.loop = folder, closed_loop(plan, flavour="native").system
+        self.folder, self.loop = folder, closed_loop(plan, flavour=flavour).system
         self.places = {LOOP: folder / "case1.ssp", ONE: folder / "Loop.fmu", SSP: folder / "case1.ssp",
-                       CONTROLLER: found("native", "AhvController")}
+                       CONTROLLER: found(flavour, "AhvController")}
         write(self.places[LOOP], plan.name, self.loop, STEP, plan.stop)
-        write_container(self.places[ONE], plan.name, self.loop, STEP, plan.stop)
+        if flavour == "native":
+            write_container(self.places[ONE], plan.name, self.loop, STEP, plan.stop)
         start = cosim.fly(self.loop, STEP, STEP, progress=False)
         wired = {link.target: float(start[link.source][0]) for link in self.loop.connections}
         controller = variables(self.places[CONTROLLER])
@@ -141,6 +146,10 @@ class Files:
             raise RuntimeError(f"{importer.name} gives {rows.shape} values, or some that are not finite")
         return float(np.nanmax(np.abs(rows - expected) / self.nominal[importer.what]))
 
+    def cell(self, importer: Importer) -> str:
+        """The largest difference as the page has it."""
+        return f"{self.difference(importer):.1e}".replace("0.0e+00", "0")
+
     def cost(self, importer: Importer) -> float:
         """Processor time of a tick, s."""
         return float(self.run(importer, LONG, "--cost")["cost"])
@@ -161,7 +170,14 @@ def version(importer: Importer) -> str:
     return done.stdout.strip()
 
 
-def measure(files: Files, rounds: int) -> list[list[str]]:
+def of_fmi3(files: Files, importer: Importer) -> str:
+    """The page's cell on FMI 3.0; `files` are of that version."""
+    if importer.what not in (LOOP, CONTROLLER):  # our container and our SSP are for FMI 2.0
+        return "–"
+    return "fails" if importer.fails3 else files.cell(importer)
+
+
+def measure(files: Files, files3: Files, rounds: int) -> list[list[str]]:
     """The rows of the page."""
     flown = [i for i in IMPORTERS if not i.fails and i.what != SSP]
     ours = [Importer("ours", what, "ahv") for what in (LOOP, CONTROLLER)]
@@ -175,20 +191,20 @@ def measure(files: Files, rounds: int) -> list[list[str]]:
     for importer in IMPORTERS:
         cells = [importer.name, version(importer), importer.what]
         if importer.fails:
-            rows.append([*cells, "fails", "–", "–", importer.remark])
+            rows.append([*cells, "fails", of_fmi3(files3, importer), "–", "–", importer.remark])
         elif importer.what == SSP:
             files.difference(importer)
-            rows.append([*cells, "reads it", "–", "–", importer.remark])
+            rows.append([*cells, "reads it", of_fmi3(files3, importer), "–", "–", importer.remark])
         else:
             base = own[LOOP if importer.what == ONE else importer.what]
-            rows.append([*cells, f"{files.difference(importer):.1e}".replace("0.0e+00", "0"),
+            rows.append([*cells, files.cell(importer), of_fmi3(files3, importer),
                          f"{1e6 * median(costs[importer]):.1f}", f"{base:.1f}", importer.remark])
     return rows
 
 
 def page(rows: list[list[str]], rounds: int, signals: int) -> str:
     """docs/importers.md."""
-    head = ["importer", "version", "is given", "largest difference", "µs a tick", "ours", "remark"]
+    head = ["importer", "version", "is given", "largest difference", "FMI 3.0", "µs a tick", "ours", "remark"]
     lines = ["# Our FMUs in other importers", "",
              "With this page you can see which tools fly our FMUs, how far their flights are from ours, and what they "
              "cost. `make peers`",
@@ -201,7 +217,8 @@ def page(rows: list[list[str]], rounds: int, signals: int) -> str:
              "**The controller** is `AhvController.fmu` alone: 100 ft/s more are commanded, the measurements stay. "
              "**The loop as one FMU** is what",
              "`ahv container case1` writes. Differences are parts of a signal's nominal value, from our master with "
-             "the algorithm `jacobi`.",
+             "the algorithm `jacobi`;",
+             "the column **FMI 3.0** is the same with the FMUs of `native-fmi3`.",
              f"Costs are processor time on one machine, the median of {rounds} rounds in which all took turns; every "
              "signal is read at every tick,",
              "in the way that the importer has.", "",
@@ -220,7 +237,8 @@ def main() -> None:
     words = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         files = Files(Path(folder))
-        rows = measure(files, words.rounds)
+        with tempfile.TemporaryDirectory() as other:
+            rows = measure(files, Files(Path(other), "native-fmi3"), words.rounds)
     words.out.write_text(page(rows, words.rounds, len(files.names[LOOP])))
     print(words.out, file=sys.stderr)
 

@@ -1,16 +1,27 @@
-/* One communication step of an FMU beside its bare traced functions, called in a loop from C.
+/* One communication step of FMUs beside the bare functions of the first one, called in a loop from C.
 
-   native_step LIBRARY: prints both costs in microseconds. kernel.c is what CasADi generates, untouched; kernel.h has
-   sizes, start values and the GUID. Both step from the start values with the inputs held, STEPS at a time. */
+   native_step LIBRARY GUID [LIBRARY GUID]...: prints microseconds, a line for each of ROUNDS: the FMUs in this order,
+   then the bare functions. All step from near the start with the inputs held, STEPS at
+   a time, by turns. */
 #define _POSIX_C_SOURCE 199309L
 #include <time.h>
 
 #include "fmu.h"
-#include "kernel.h"
 
+#define STEP 0.01
 #define STEPS 20
-#define BLOCKS 100
-#define REPEATS 60
+#define BLOCKS 10
+#define ROUNDS 500
+#define MOST 8
+
+void bare_begin(double step);
+void bare_steps(int steps);
+
+static struct {
+    Fmu fmu;
+    fmi2Component component;
+    fmi2FMUstate state;
+} flown[MOST];
 
 static double seconds(void)
 {
@@ -19,62 +30,47 @@ static double seconds(void)
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-static const double u[] = U, p[] = P;
-static double x0[NX + 1], c[NC + 1], y[NY + 1];
-
-static void kernel_steps(void)
+static void begin_fmu(int i, const char *library, const char *guid)
 {
-    double x[2][NX + 1], t = 0, h = STEP / COUNT;
-    memcpy(x[0], x0, sizeof x0);
-    for (int k = 0, from = 0; k < STEPS; k++) {
-        for (int i = 0; i < COUNT; i++, from = !from) {
-            const double *arg[] = {&t, &h, x[from], u, p, c};
-            double *res[] = {x[!from]};
-            advance(arg, res, NULL, NULL, 0);
-        }
-        const double *arg[] = {&t, x[from], u, p};
-        double *res[] = {y};
-        outputs(arg, res, NULL, NULL, 0);
-    }
+    flown[i].fmu = load(library, guid);
+    flown[i].component = begin(&flown[i].fmu, "timed");
+    ok(flown[i].fmu.ExitInitializationMode(flown[i].component), "ExitInitializationMode");
+    ok(flown[i].fmu.DoStep(flown[i].component, 0, STEP, fmi2True), "DoStep"); /* the first one prepares for others */
+    ok(flown[i].fmu.GetFMUstate(flown[i].component, &flown[i].state), "GetFMUstate");
 }
 
-static Fmu fmu;
-static fmi2Component component;
-static fmi2FMUstate state;
-
-static void fmu_steps(void)
+static void fmu_steps(int i)
 {
-    fmu.SetFMUstate(component, state);
-    for (int k = 0; k < STEPS; k++)
-        ok(fmu.DoStep(component, k * STEP, STEP, fmi2True), "DoStep");
+    const Fmu *fmu = &flown[i].fmu;
+    fmu->SetFMUstate(flown[i].component, flown[i].state);
+    for (int k = 1; k <= STEPS; k++)
+        ok(fmu->DoStep(flown[i].component, k * STEP, STEP, fmi2True), "DoStep");
 }
 
-static double microseconds(void (*steps)(void))
+/* Microseconds for one step of FMU `i`, or of the bare functions where i < 0. */
+static double timed(int i)
 {
     double began = seconds();
     for (int j = 0; j < BLOCKS; j++)
-        steps();
+        if (i < 0)
+            bare_steps(STEPS);
+        else
+            fmu_steps(i);
     return 1e6 * (seconds() - began) / (BLOCKS * STEPS);
 }
 
 int main(int argc, char **argv)
 {
-    double h = STEP / COUNT, with_fmu = 1e300, bare = 1e300;
-    const double *start_arg[] = {u, p}, *prepare_arg[] = {p, &h};
-    double *start_res[] = {x0}, *prepare_res[] = {c};
-    if (argc != 2)
-        fail("native_step LIBRARY", "wrong arguments");
-    start(start_arg, start_res, NULL, NULL, 0);
-    prepare(prepare_arg, prepare_res, NULL, NULL, 0);
-    fmu = load(argv[1], GUID);
-    component = begin(&fmu, "timed");
-    ok(fmu.ExitInitializationMode(component), "ExitInitializationMode");
-    ok(fmu.GetFMUstate(component, &state), "GetFMUstate");
-    for (int i = 0; i < REPEATS; i++) { /* in turn, and the best of each: what disturbs a machine only ever adds */
-        double a = microseconds(fmu_steps), b = microseconds(kernel_steps);
-        with_fmu = a < with_fmu ? a : with_fmu;
-        bare = b < bare ? b : bare;
+    int count = (argc - 1) / 2;
+    if (argc % 2 == 0 || count < 1 || count > MOST)
+        fail("native_step LIBRARY GUID [LIBRARY GUID]...", "wrong arguments");
+    for (int i = 0; i < count; i++)
+        begin_fmu(i, argv[1 + 2 * i], argv[2 + 2 * i]);
+    bare_begin(STEP);
+    for (int round = 0; round < ROUNDS; round++) {
+        for (int i = 0; i < count; i++)
+            printf("%.5f ", timed(i));
+        printf("%.5f\n", timed(-1));
     }
-    printf("%.4f %.4f\n", with_fmu, bare);
     return 0;
 }

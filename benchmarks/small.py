@@ -4,10 +4,9 @@ import sys
 import zipfile
 from pathlib import Path
 
-import fmpy
-
 from cosim.master.system import Component, Connection, System, Value
 from fmus.native_compiler import cc
+from fmus.native_flavour import HEADERS
 
 REALS = ("a11", "a12", "a21", "a22", "b1", "b2", "c1", "c2", "d", "x1", "x2", "substeps", "fault_time", "longest",
          "u", "y", "y1", "y2")
@@ -67,8 +66,7 @@ def library(folder: Path, *flags: str, source: str = "small.c") -> Path:
     built = folder / f"{code.stem}_{hashlib.sha256(code.read_bytes() + repr(flags).encode()).hexdigest()[:12]}.so"
     if not built.exists():
         folder.mkdir(parents=True, exist_ok=True)
-        headers = Path(fmpy.__file__).parent / "c-code"
-        cc("-O2", "-shared", "-fPIC", "-w", *flags, f"-I{headers}", code, "-o", built)
+        cc("-O2", "-shared", "-fPIC", "-w", *flags, f"-I{HEADERS}", code, "-o", built)
     return built
 
 

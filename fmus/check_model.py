@@ -15,11 +15,21 @@ from typing import Any
 import casadi
 
 from . import floats, symbols
-from .check_table import NAME_RULE, check_presets, check_states, check_table, file_name, identifier, line_of_text
+from .check_table import (
+    NAME_RULE,
+    check_presets,
+    check_states,
+    check_table,
+    check_terminals,
+    file_name,
+    identifier,
+    line_of_text,
+)
 from .integrators import METHODS, USUAL_ORDER, advancing
 from .interface import GIVEN, computed, sample_time, variables
+from .lines import file_place, function_place
 from .mistakes import ModelError as ModelError
-from .mistakes import file_place, function_place, nearest
+from .mistakes import nearest
 from .trace import Trace, trace_model
 
 ARGUMENTS = {"start": "m, u, p", "derivative": "m, t, x, u, p", "advance": "m, t, h, x, u, p, c",
@@ -35,6 +45,7 @@ def checked_trace(model: ModuleType) -> Trace:
     check_parts(model)
     check_table(model)
     check_states(model)
+    check_terminals(model)
     check_presets(model)
     check_functions(model)
     trace: Trace = attempt(model, SimpleNamespace(), SimpleNamespace(), trace_model, model)
@@ -51,7 +62,8 @@ def check_parts(model: ModuleType) -> None:
                              ("VARIABLES", list, "a list of rows"), ("PRESETS", dict, "a dict of dicts")):
         if not isinstance(getattr(model, part, None), kind):
             raise ModelError(model, f"{part} is missing or is not {what}; a model has NAME, DESCRIPTION, VARIABLES, "
-                                    "PRESETS, start, outputs, and derivative or advance", file_place(model))
+                                    "PRESETS, start, outputs, and derivative or advance where it has a state",
+                             file_place(model))
     if not identifier(model.NAME):
         raise ModelError(model, f"NAME {model.NAME!r} is not allowed; {NAME_RULE}")
     if not file_name(model.NAME):
@@ -70,10 +82,6 @@ def check_parts(model: ModuleType) -> None:
             raise ModelError(model, f"{function}{signature(written)} has other arguments than "
                                     f"{function}({arguments}), as which it is called",
                              function_place(written)) from None
-    if not (hasattr(model, "derivative") or hasattr(model, "advance")):
-        raise ModelError(model, f"there is neither a function derivative({ARGUMENTS['derivative']}) nor "
-                                f"advance({ARGUMENTS['advance']}); a model has one of them, or both",
-                         file_place(model))
     if getattr(model, "ORDER", USUAL_ORDER) not in METHODS:
         raise ModelError(model, f"ORDER {model.ORDER!r} is not allowed; the methods have the orders "
                                 f"{', '.join(map(str, METHODS))}")
@@ -93,6 +101,10 @@ def check_functions(model: ModuleType) -> None:
 
     x = call("start", u, p)
     check_numbers(model, "start", x, "state")
+    if x and not (hasattr(model, "derivative") or hasattr(model, "advance")):
+        raise ModelError(model, f"there is neither a function derivative({ARGUMENTS['derivative']}) nor "
+                                f"advance({ARGUMENTS['advance']}); a model with a state has one of them, or both",
+                         file_place(model))
     c = call("prepare", p, h) if hasattr(model, "prepare") else []
     check_numbers(model, "prepare", c, "number")
     if hasattr(model, "derivative"):
@@ -143,10 +155,11 @@ def attempt(model: ModuleType, u: SimpleNamespace, p: SimpleNamespace, function:
         raise ModelError(model, failure(error, model, u, p)) from error
 
 
-def failure(error: Exception, model: ModuleType, u: SimpleNamespace, p: SimpleNamespace) -> str:
+def failure(error: BaseException, model: ModuleType, u: SimpleNamespace, p: SimpleNamespace) -> str:
     """Where and why a model's function, or its file, failed."""
-    if isinstance(error, SyntaxError) and error.filename:
-        return f"{Path(error.filename).name}, line {error.lineno}, is no Python: {error.msg}"
+    if isinstance(error, SyntaxError):
+        file = Path(error.filename or str(model.__file__)).name
+        return f"{file}, line {error.lineno or 1}, is no Python: {error.msg}"
     frames = [f for f in extract_tb(error.__traceback__)
               if not any(Path(f.filename).is_relative_to(folder) for folder in NOT_THE_MODELS)
               or Path(f.filename) == Path(str(model.__file__))]

@@ -7,7 +7,8 @@ from types import ModuleType
 from typing import Any, TypeGuard
 
 from .interface import CAUSALITIES, COLUMNS, GIVEN, Variable, names, sample_time, states, variables
-from .mistakes import ModelError, file_place, function_place, key_place, nearest, row_place
+from .lines import file_place, function_place, key_place, row_place
+from .mistakes import ModelError, nearest
 from .units import BASE_UNITS, WORTH, Worth, si_base
 
 STEPS = ("internal_step", "sample_time")
@@ -163,7 +164,19 @@ def unit_mistake(text: object, own: dict[str, Worth]) -> str | None:
             si_base(unit, own)
     except ValueError as error:
         return f"in the unit {text!r}, {error}; '' makes a Boolean"
-    return None if kind in KINDS else f"in the unit {text!r}, only 'frequency' or 'discrete' may follow"
+    if kind.startswith("in "):
+        return display_mistake(text, unit, kind.removeprefix("in "))
+    return None if kind in KINDS else (f"in the unit {text!r}, only 'frequency' or 'discrete' may follow, or 'in' and "
+                                       "the unit to show it in")
+
+
+def display_mistake(text: str, unit: str, shown: str) -> str | None:
+    """Why `unit` cannot be shown in `shown`, or None; `text` is what the row has."""
+    try:
+        sizes = [si_base(name)[1] for name in (unit, shown)]
+    except ValueError as error:
+        return f"in the unit {text!r}, {error}; a unit of UNITS is shown as it is"
+    return None if sizes[0] == sizes[1] else f"in the unit {text!r}, {shown} is no unit of the same quantity as {unit}"
 
 
 def range_mistake(v: Variable) -> str | None:
@@ -199,6 +212,23 @@ def value_mistake(v: Variable, value: object, what: str) -> str | None:
     low = float("-inf") if v.minimum is None else v.minimum
     high = float("inf") if v.maximum is None else v.maximum
     return None if low <= value <= high else f"{what} {value} is outside [{low}, {high}]"
+
+
+def check_terminals(model: ModuleType) -> None:
+    """Raises ModelError for TERMINALS that are not names of inputs and outputs under a name."""
+    terminals = getattr(model, "TERMINALS", {})
+    if not isinstance(terminals, dict):
+        raise ModelError(model, "TERMINALS is not a dict of names and the names of inputs and outputs",
+                         file_place(model))
+    ports = names(variables(model.VARIABLES), "input", "output")
+    for terminal, members in terminals.items():
+        place = key_place(model, terminal)
+        if not identifier(terminal) or not isinstance(members, (list, tuple)):
+            raise ModelError(model, f"the terminal {terminal!r} is not a name with a list of inputs and outputs", place)
+        for member in members:
+            if member not in ports:
+                raise ModelError(model, f"the terminal {terminal} has {member!r}, which is no input or output"
+                                        + nearest(member, ports), place)
 
 
 def check_presets(model: ModuleType) -> None:

@@ -8,7 +8,7 @@ from .dependencies import Dependencies, dependencies
 from .interface import GIVEN, Variable, names, variables
 from .references import all_variables
 from .trace import Trace
-from .units import DEGREES, Worth, si_base
+from .units import Worth, si_base
 
 AUTHOR = "the AHV FMU authors"
 COPYRIGHT = f"Copyright 2026 {AUTHOR}"
@@ -61,8 +61,8 @@ def add_units(root: Element, table: list[Variable], own: Mapping[str, Worth]) ->
         if factor != 1.0:
             base["factor"] = number(factor)
         SubElement(element, "BaseUnit", base)
-        for shown in sorted({v.display_unit for v in table if v.unit == unit and v.display_unit}):
-            SubElement(element, "DisplayUnit", name=shown, factor=number(DEGREES))
+        for shown, scale in sorted({(v.display_unit, v.factor) for v in table if v.unit == unit and v.display_unit}):
+            SubElement(element, "DisplayUnit", name=shown, factor=number(scale))
 
 
 def variable_attributes(v: Variable) -> dict[str, str]:

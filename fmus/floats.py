@@ -3,7 +3,24 @@
 `fmus.symbols` has the same names on CasADi symbols. Every function takes and returns single numbers;
 `integrate` and `interpolate` work on lists of them too.
 """
-from math import asin, ceil, cos, exp, fabs, floor, log, sin, sqrt, tan  # noqa: F401
+from math import (  # noqa: F401
+    acos,
+    asin,
+    atan,
+    atan2,
+    ceil,
+    cos,
+    cosh,
+    exp,
+    fabs,
+    floor,
+    log,
+    sin,
+    sinh,
+    sqrt,
+    tan,
+    tanh,
+)
 
 from .integrators import integrate  # noqa: F401
 from .lookup import interpolated as _interpolated

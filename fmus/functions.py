@@ -58,7 +58,7 @@ def sampled(law: Functions, shown: list[str]) -> Functions:
         ran, T = x[0], p.sample_time
         begun = m.where(ran > 0.0, x[1], t)
         instant = begun + ran * T
-        due = instant < t + h - EARLY * T
+        due = m.either(ran <= 0.0, instant < t + h - EARLY * T)
         later = law.advance(m, instant, T, x[2 + count:], u, p, c)
         y = law.outputs(m, instant, later, u, p)
         return [m.where(due, ran + 1.0, ran), begun,

@@ -42,10 +42,11 @@ def moved(x: list[Any], h: Any, weights: tuple[float, ...], slopes: list[list[An
 
 
 def advancing(model: ModuleType) -> Callable[..., list[Any]]:
-    """The `advance` of a model: its own, or one that integrates its `derivative` with the method of its ORDER."""
+    """The `advance` of a model: its own, or one that integrates its `derivative` with the method of its ORDER, or, of
+    a model that has neither, one that changes nothing."""
     own: Callable[..., list[Any]] | None = getattr(model, "advance", None)
-    if own:
-        return own
+    if own or not hasattr(model, "derivative"):
+        return own or (lambda m, t, h, x, u, p, c: x)
     derivative, count, order = model.derivative, len(model.STATES), getattr(model, "ORDER", USUAL_ORDER)
 
     def advance(m: Any, t: Any, h: Any, x: list[Any], u: Any, p: Any, c: list[Any]) -> list[Any]:

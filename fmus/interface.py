@@ -4,14 +4,15 @@ A model is a module with
     NAME, DESCRIPTION      identifier and one line of text
     VARIABLES              rows (name, causality, unit, start, min, max, nominal, description);
                            angles in rad, and shown in degrees; "rad/s frequency" is the unit rad/s of what is no
-                           rate of an angle, and shown as it is; "1 discrete" makes a Real that changes at the end of
-                           steps only, such as a flag, 0 or 1; the unit "" makes a Boolean, every other a Real
+                           rate of an angle, and shown as it is; "Pa in bar" is shown in bar; "1 discrete" makes a
+                           Real that changes at the end of steps only, such as a flag, 0 or 1; the unit "" makes a
+                           Boolean, every other a Real
     UNITS                  optional: name -> (how many, of which unit), units beside those of `fmus.units`
     PRESETS                name -> {parameter: value}
     TERMINALS              optional: name -> names of the inputs and outputs that belong together on a connection
     start(m, u, p) -> x                    initial state, a list of floats, from inputs and parameters
     outputs(m, t, x, u, p) -> {name: value}   every output and calculated parameter of the table
-and one of the two, or both:
+and, where there is a state, one of the two, or both:
     derivative(m, t, x, u, p) -> rates     dx/dt of the first len(STATES) entries of x, per second; the further entries
                                            are memories, which do not change
     advance(m, t, h, x, u, p, c) -> x      the state h seconds later, with the inputs held
@@ -33,8 +34,10 @@ multiple of `sample_time` after it, whatever the communication step, and its out
 `fmus.check_model` finds the mistakes of a model before it becomes an FMU; nothing here looks for them.
 """
 from dataclasses import dataclass, replace
-from math import ceil, degrees
+from math import ceil
 from types import ModuleType
+
+from .units import DEGREES, si_base
 
 COLUMNS = ("name", "causality", "unit", "start", "min", "max", "nominal", "description")
 CAUSALITIES = ("input", "output", "calculatedParameter", "parameter")
@@ -66,13 +69,20 @@ class Variable:
         return "Real" if self.unit else "Boolean"
 
     @property
+    def factor(self) -> float:
+        """How many of its display unit one of its unit is."""
+        if self.display_unit in (None, self.unit.replace("rad", "deg")):
+            return DEGREES if self.display_unit else 1.0
+        return si_base(self.unit)[0] / si_base(str(self.display_unit))[0]
+
+    @property
     def unit_suffix(self) -> str:
         """What follows a number of this variable in a sentence: " deg", or nothing for a plain number."""
         return "" if self.unit in ("", "1") else f" {self.display_unit or self.unit}"
 
     def displayed(self, value: float) -> float:
         """A value of this variable in its display unit."""
-        return degrees(value) if self.display_unit else value
+        return value * self.factor if self.display_unit else value
 
 
 def record(row: Row, value_reference: int) -> Variable:
@@ -80,6 +90,8 @@ def record(row: Row, value_reference: int) -> Variable:
     name, causality, unit, start, low, high, nominal, description = row
     unit, _, kind = unit.partition(" ")
     shown = unit.replace("rad", "deg") if unit.startswith("rad") and kind != "frequency" else None
+    if kind.startswith("in "):
+        shown = kind.removeprefix("in ")
     return Variable(name, causality, unit, start, low, high, nominal, description, value_reference, shown,
                     kind == "discrete" or not unit)
 

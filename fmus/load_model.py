@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib import import_module
 from importlib.util import module_from_spec, spec_from_file_location
+from os.path import isfile
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
 
@@ -36,7 +37,7 @@ def loaded(model: ModuleType | Path | str) -> Iterator[ModuleType]:
 def root_of(file: Path) -> Path:
     """The folder from which `file` is imported: the nearest above it that is no package."""
     folder = file.absolute().parent
-    while (folder / "__init__.py").is_file():
+    while isfile(folder / "__init__.py"):
         folder = folder.parent
     return folder
 
@@ -46,7 +47,7 @@ def from_file(file: Path) -> ModuleType:
     file = file.absolute()
     *packages, name = file.relative_to(root_of(file)).with_suffix("").parts
     module = ModuleType(name)
-    if not file.is_file():
+    if not isfile(file):
         raise ModelError(module, f"there is no file {file.name} in {file.parent}")
     try:
         if packages:
@@ -56,7 +57,7 @@ def from_file(file: Path) -> ModuleType:
             raise ImportError(f"{file.name} is no Python file")
         module = sys.modules[spec.name] = module_from_spec(spec)
         spec.loader.exec_module(module)
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         module.__file__ = str(file)
         raise ModelError(module, failure(error, module, SimpleNamespace(), SimpleNamespace())) from error
     return module
@@ -66,7 +67,7 @@ def from_name(name: str) -> ModuleType:
     """The module of this dotted name. Raises ModelError where there is none, or where it fails."""
     try:
         return import_module(name)
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         stub = ModuleType(name)
         if isinstance(error, ModuleNotFoundError) and error.name and f"{name}.".startswith(f"{error.name}."):
             raise ModelError(stub, f"there is no module {error.name}, neither in {Path.cwd()} nor installed") from None

@@ -5,10 +5,10 @@ from types import ModuleType
 
 import casadi
 
+from .hoist import Hoisted, hoisted
 from .interface import Variable, computed, longest_step, names, states
 from .references import all_variables
 from .trace import Trace
-from .units import DEGREES
 
 ROLES = {"input": "INPUT", "output": "OUTPUT", "calculatedParameter": "CALCULATED_PARAMETER",
          "parameter": "PARAMETER", "local": "STATE", "independent": "TIME"}
@@ -46,7 +46,7 @@ def internal_function(name: str, body: str) -> str:
     return re.sub(r"if \(res\[\d+\]!=0\) ", "", body).replace("  return 0;\n", "")
 
 
-def function_code(trace: Trace) -> str:
+def function_code(trace: Trace, own: Hoisted) -> str:
     """The functions as C with internal linkage: void model_NAME(arguments, results).
 
     CasADi writes them for a library of their own, with exported functions to inquire about them; only the
@@ -54,7 +54,8 @@ def function_code(trace: Trace) -> str:
     version of CasADi is known to write.
     """
     generator = casadi.CodeGenerator("model", {"casadi_real": "double", "casadi_int": "int"})
-    kept = [trace.prepare, trace.start, trace.advance, trace.outputs, rates(trace), *tangents(trace)]
+    kept = [own.constants, own.prepare, own.hold, trace.start, *([own.advance] if own.advances_apart else []),
+            own.finish, own.outputs, own.derivative, *tangents(trace)]
     for function in kept:
         generator.add(function)
     text = generator.dump()
@@ -62,8 +63,9 @@ def function_code(trace: Trace) -> str:
     _, begins, helpers = before.rpartition("#endif\n\ncasadi_real")
     helpers = re.sub(r"^casadi_real casadi_", "static double casadi_", begins[8:] + helpers, flags=re.MULTILINE)
     bodies = re.findall(r"^/\* (\w+):[^\n]*\*/\n(static int casadi_f\d+\(.*?^\}\n)", text, re.MULTILINE | re.DOTALL)
-    code = "\n".join(["#include <math.h>\n", helpers, *(internal_function(*body) for body in bodies)])
-    code = code.replace("casadi_real", "double")
+    code = "\n".join(['#include "angles.h"\n', helpers, *(internal_function(*body) for body in bodies)])
+    code = re.sub(r"\b(sin|cos)\(", r"angle_\1(", code.replace("casadi_real", "double"))
+    code += "" if own.advances_apart else "\n#define model_advance model_finish\n"
     if [name for name, _ in bodies] != [f.name() for f in kept] or re.search(r"arg\[\d+\]\?|\b(iw|w|return 1)\b", code):
         raise RuntimeError(f"CasADi {version('casadi')} generates C of another shape than {__name__} knows")
     return code
@@ -76,11 +78,10 @@ def c_number(value: float | bool | None, otherwise: str = "0.0") -> str:
 
 def table_row(v: Variable, place: int, state: int) -> str:
     """A row of TABLE; `place` is where the value stands among those of its role, `state` which state it is, or -1."""
-    factor = DEGREES if v.display_unit else 1.0
     limits = f'{c_number(v.minimum, "-DBL_MAX")}, {c_number(v.maximum, "DBL_MAX")}'
     return (f'    {{"{v.name}", {"RATE" if v.derivative_of else ROLES[v.causality]}, {int(v.type == "Boolean")}, '
             f'{int(v.discrete)}, {place}, {state}, {c_number(v.start)}, {limits}, "{v.unit_suffix}", '
-            f'{c_number(factor)}}},')
+            f'{c_number(v.factor)}}},')
 
 
 def c_array(kind: str, name: str, values: list[str]) -> str:
@@ -88,7 +89,7 @@ def c_array(kind: str, name: str, values: list[str]) -> str:
     return f"static const {kind} {name}[] = {{{', '.join(values or ['0'])}}};"
 
 
-def table_header(model: ModuleType, trace: Trace) -> str:
+def table_header(model: ModuleType, trace: Trace, own: Hoisted) -> str:
     """model.h: sizes, the table, and its limits as arrays."""
     rows, continuous = all_variables(model), [v.name for v in states(model)]
     reference = {v.name: v.value_reference for v in rows}
@@ -104,10 +105,13 @@ def table_header(model: ModuleType, trace: Trace) -> str:
             return table_row(v, continuous.index(v.derivative_of or v.name), state)
         return table_row(v, groups.get(v.causality, y).index(v.name), state)
 
-    sizes = {"V": len(rows), **{k.upper(): n for k, n in trace.sizes.items()}, "S": len(continuous)}
+    def lengths(of: dict[str, int]) -> str:
+        return "enum { " + ", ".join(f"N{name.upper()} = {n}" for name, n in of.items()) + " };"
+
     return "\n".join([
         f'#define MODEL_NAME "{model.NAME}"',
-        "enum { " + ", ".join(f"N{k} = {n}" for k, n in sizes.items()) + " };",
+        lengths({"v": len(rows), **trace.sizes, "c": own.sizes["c"], "s": len(continuous)}),
+        lengths({"k": own.sizes["k"], "w": own.sizes["w"]}),
         f"enum {{ HAS_DERIVATIVE = {int(trace.derivative is not None)}, "
         f"HAS_DISCRETE_OUTPUTS = {int(any(v.discrete for v in results))}, "
         f"FIRST_RATE = {len(rows) - 1 - len(continuous)} }};",
@@ -126,4 +130,6 @@ def table_header(model: ModuleType, trace: Trace) -> str:
 
 def generated_sources(model: ModuleType, trace: Trace) -> dict[str, bytes]:
     """The generated files: name -> content. Raises RuntimeError where CasADi generates other C than expected."""
-    return {"model.h": table_header(model, trace).encode(), "model.c": function_code(trace).encode()}
+    own = hoisted(trace, rates(trace))
+    return {"model.h": table_header(model, trace, own).encode(),
+            "model.c": function_code(trace, own).encode()}

@@ -18,7 +18,9 @@ WINDOWS = Path(__file__).parent / "wrapper" / "windows"
 LINUX = "x86_64-linux-gnu.2.17"  # of 2012: any Linux in use has at least this C library
 
 # The same floating point everywhere, and the same as Python's: no contraction, no fast mathematics.
-COMPILE = ["-std=c99", "-O2", "-ffp-contract=off", "-fvisibility=hidden", "-fPIC", "-g0"]
+# Not in pairs of two numbers either: packing them costs more than it saves in long straight code.
+COMPILE = ["-std=c99", "-O2", "-ffp-contract=off", "-fno-math-errno", "-fno-slp-vectorize", "-fvisibility=hidden",
+           "-fPIC", "-g0"]
 LINK = ["-shared", "-s"]
 
 
@@ -31,21 +33,22 @@ def compiler_version() -> str:
                                   name="ziglang") from None
 
 
-def cc(*arguments: str | Path, target: str = LINUX) -> None:
-    """Run the C compiler with `arguments`. Raises RuntimeError with what it said if it fails."""
-    zig(Path(), "cc", "-target", target, *map(str, arguments))
+def cc(*arguments: str | Path, target: str = LINUX) -> str:
+    """Run the C compiler with `arguments`; returns what it printed. Raises RuntimeError as `zig` does."""
+    return zig(Path(), "cc", "-target", target, *map(str, arguments))
 
 
-def zig(folder: Path, *arguments: str) -> None:
+def zig(folder: Path, *arguments: str) -> str:
     """Run zig in `folder`, where all names are relative: no path of this machine gets into a library.
 
-    Raises RuntimeError where zig fails.
+    Returns what it printed. Raises RuntimeError with what it said where it fails.
     """
     caches = {"ZIG_GLOBAL_CACHE_DIR": str(ZIG_CACHE), "ZIG_LOCAL_CACHE_DIR": str(ZIG_CACHE)}
     done = subprocess.run([sys.executable, "-m", "ziglang", *arguments], cwd=folder, env={**os.environ, **caches},
                           capture_output=True, text=True)
     if done.returncode:
         raise RuntimeError(f"zig {' '.join(arguments)} failed:\n{done.stderr}")
+    return done.stdout
 
 
 def make(name: str, target: str, folder: Path) -> None:

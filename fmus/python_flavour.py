@@ -18,7 +18,8 @@ CAPABILITIES = {
     "canNotUseMemoryManagementFunctions": "true",
 }
 FLAVOUR = Flavour(CAPABILITIES)
-RUNTIME = ("slave.py", "refusal.py", "interface.py", "integrators.py", "functions.py", "lookup.py", "floats.py")
+RUNTIME = ("slave.py", "refusal.py", "interface.py", "units.py", "integrators.py", "functions.py", "lookup.py",
+           "floats.py")
 
 # pythonfmu's loader runs this text once more for every instance, and each time drops one reference too many
 # of the module's globals; a module without functions of its own would lose them at once, any other in time.

@@ -1,9 +1,13 @@
 """The mathematics backend on CasADi symbols: the same names as `fmus.floats`."""
 from casadi import (  # noqa: F401
     SX,
+    acos,
     asin,
+    atan,
+    atan2,
     ceil,
     cos,
+    cosh,
     exp,
     fabs,
     floor,
@@ -14,8 +18,10 @@ from casadi import (  # noqa: F401
     logic_and,
     logic_or,
     sin,
+    sinh,
     sqrt,
     tan,
+    tanh,
 )
 
 from .integrators import integrate  # noqa: F401

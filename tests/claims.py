@@ -10,7 +10,9 @@ from exact_linear import NoTrim, linear_loop, linear_vehicle
 from ahv_ctrl_fmu import backstepping_model, neural, neural_model
 from ahv_plant_fmu import model as plant
 from fmus import symbols
+from fmus.hoist import hoisted
 from fmus.interface import internal_steps, names, variables
+from fmus.native_code import rates
 from fmus.trace import symbol_namespace, trace_model
 
 SPEEDS, ALTITUDES = np.linspace(7500, 9500, 9), np.linspace(80000, 100000, 9)  # ft/s, ft
@@ -48,10 +50,14 @@ def differentiator_poles(gains):
 
 
 def operations(model, step=0.01):
-    """Elementary operations of one communication step: CasADi's instructions of the traced functions."""
+    """Elementary operations (+, exp, ...) of one communication step of the native FMU: in the functions it calls."""
     traced = trace_model(model)
+    flown = hoisted(traced, rates(traced))
     internal = next((v.start for v in variables(model.VARIABLES) if v.name == "internal_step"), step)
-    return internal_steps(step, internal) * traced.advance.n_instructions() + traced.outputs.n_instructions()
+    moves = (casadi.OP_INPUT, casadi.OP_OUTPUT, casadi.OP_CONST)
+    called = flown.hold, flown.advance if flown.advances_apart else flown.finish, flown.finish
+    hold, advance, finish = (sum(f.instruction_id(i) not in moves for i in range(f.n_instructions())) for f in called)
+    return hold + (internal_steps(step, internal) - 1) * advance + finish
 
 
 def adapted_states():

@@ -40,7 +40,7 @@ COMMANDS = {  # command -> its arguments, its options: name -> what is drawn
     "campaign": (["nothing.yaml"], ["!", "--scheduler", "--workers#", "--out"]),
     "tune": (["nobody"], ["--preset", "--flights", "--gain", "--evaluations#", "--draws#", "--seed#", "--sigma#",
                           "--workers#", "--out"]),
-    "build": (["nobody"], ["!", "--flavour"]),
+    "build": (["nobody"], ["!", "--flavour", "--out"]),
     "bench": (["nothing"], ["--nonsense"]),
 }
 ALGORITHMS = ["gauss-seidel", "jacobi", "multi-rate", "variable", "iterated", "magic", "", "gauss_seidel"]

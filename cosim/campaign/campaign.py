@@ -2,8 +2,10 @@
 import logging
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from importlib import import_module
 from pathlib import Path
+from threading import Thread
 from typing import TYPE_CHECKING, Any
 
 from ..errors import RunError, UsageError
@@ -71,12 +73,20 @@ def fly(plan: Plan, store: Store, scheduler: str | None, workers: int | None, tl
             for sentence in check(client, plan) if rows == 0 else ():
                 note(sentence)
             began = time.perf_counter()
+            Thread(target=import_for_report, daemon=True).start()
             with shown(plan.campaign.name, total, rows, successes,
                        client.dashboard_link if dashboard or (scheduler and on_terminal()) else None) as progress:
                 Engine(client, plan, store, progress).run()
     flying = time.perf_counter() - began
     store.finish()
     return total - rows, flying
+
+
+def import_for_report() -> None:
+    """Import what the report needs, which takes a second, while others fly."""
+    with suppress(Exception):  # `reported` says what is wrong
+        for name in ("scipy.stats", "cosim.campaign.report"):
+            import_module(name)
 
 
 @contextmanager

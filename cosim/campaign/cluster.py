@@ -24,7 +24,8 @@ from ..errors import RunError, UsageError
 
 WAIT_S = 60.0  # for a first worker
 ANSWER_S = 15.0  # for an answer of the scheduler
-CLOSING_S = 0.5
+KILLED_S = 0.5   # for processes that are killed, or are just starting
+CLOSING_S = 0.1  # for what has no processes any more: it goes on by itself, and nothing waits for it
 
 
 @dataclass(frozen=True)
@@ -100,10 +101,11 @@ def end(cluster: LocalCluster, client: Client, others: set[BaseProcess]) -> None
     cluster.shutdown_on_close = False  # not once more when Python ends
     for nanny in cluster.workers.values():
         nanny.auto_restart = False
+    starting = cluster.workers.keys() != cluster.worker_spec.keys()
     kill(others)
     for one in (client, cluster):
         with suppress(Exception):  # processes that are gone cannot say goodbye
-            one.close(timeout=CLOSING_S)
+            one.close(timeout=KILLED_S if starting else CLOSING_S)
     kill(others)  # that were just starting
 
 
@@ -113,7 +115,7 @@ def kill(others: set[BaseProcess]) -> None:
     for process in killed:
         process.kill()
     for process in killed:
-        process.join(CLOSING_S)
+        process.join(KILLED_S)
 
 
 @contextmanager

@@ -35,6 +35,12 @@ class Draw:
             found = self.factor * float(found)
         return 2 * math.pi / float(found) if self.period else found
 
+    @property
+    def bounded(self) -> bool:
+        """Whether the extremes are the ends of all that can be drawn."""
+        d = self.distribution
+        return isinstance(d, Uniform | Integer | Choice) or (isinstance(d, Normal) and None not in (d.low, d.high))
+
     def extremes(self) -> list[Value]:
         """Values that must be allowed: the ends of a bounded distribution, the middle of another."""
         d = self.distribution
@@ -42,29 +48,36 @@ class Draw:
             counts = [1.0] * len(d.values) if d.weights is None else d.weights
             ends = (np.cumsum(counts) - 0.5 * np.array(counts))[np.array(counts) > 0] / sum(counts)
             return [self.value(float(u)) for u in ends]
-        bounded = isinstance(d, Uniform | Integer) or (isinstance(d, Normal) and None not in (d.low, d.high))
-        return [self.value(u) for u in ((0.0, 1.0) if bounded else (0.5,))]
+        return [self.value(u) for u in ((0.0, 1.0) if self.bounded else (0.5,))]
 
 
 def quantile(d: Scalar, u: float) -> Value:
     """The value of a distribution at the probability `u`."""
-    from scipy.special import ndtri
-    from scipy.stats import truncnorm  # accurate in both tails, however far out
-
     if isinstance(d, Uniform):
         return d.low + u * (d.high - d.low)
     if isinstance(d, Integer):
         return float(d.low + min(math.floor(u * (d.high - d.low + 1)), d.high - d.low))
     if isinstance(d, Normal) and d.low is d.high is None:
-        return d.mean + d.std * float(ndtri(u))
+        return d.mean + d.std * normal(u)
     if isinstance(d, Normal):
         low, high = -math.inf if d.low is None else d.low, math.inf if d.high is None else d.high
+        if u in (0.0, 1.0):
+            return high if u else low
+        from scipy.stats import truncnorm  # accurate in both tails, however far out; slow to import
+
         found = float(truncnorm.ppf(u, (low - d.mean) / d.std, (high - d.mean) / d.std, d.mean, d.std))
         return min(max(found, low), high)
     if isinstance(d, LogNormal):
-        return d.median * math.exp(d.sigma * float(ndtri(u)))
+        return d.median * math.exp(d.sigma * normal(u))
     weights = np.cumsum([1.0] * len(d.values) if d.weights is None else d.weights)
     return d.values[min(int(np.searchsorted(weights, u * weights[-1], side="right")), len(d.values) - 1)]
+
+
+def normal(u: float) -> float:
+    """The value of the standard normal distribution at the probability `u`."""
+    from scipy.special import ndtri
+
+    return float(ndtri(u))
 
 
 def stream(seed: int, k: int, which: int) -> np.random.Generator:

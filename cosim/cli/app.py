@@ -4,6 +4,7 @@ Words and JSON keys are a contract. Errors are one sentence on stderr: exit stat
 request that cannot be carried out, 70 for what nobody foresaw, which then is in a file to send us.
 """
 import errno
+import gc
 import os
 import sys
 from typing import Annotated
@@ -61,7 +62,9 @@ def main() -> None:
     """Entry point of the program: its exit status, with signals as an end that removes temporary files."""
     with ending():
         keep_output_apart()
-        sys.exit(done(sys.argv[1:]))
+        status = done(sys.argv[1:])
+        gc.freeze()  # all memory goes with the process: looking through it first takes Python up to a second
+        sys.exit(status)
 
 
 def done(words: list[str]) -> int:

@@ -10,6 +10,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 import fmpy
+from platformdirs import user_cache_path
 
 from ..temporary import Folder
 from . import program
@@ -17,7 +18,6 @@ from . import program
 SOURCE = Path(__file__).with_name("loop.c")
 BUILT = Path(__file__).with_name("built")  # of a checkout and of a wheel
 CHECKOUT = Path(__file__).parents[2] / "pyproject.toml"
-CACHES = {"win32": "~/AppData/Local", "darwin": "~/Library/Caches"}
 PLATFORMS = {  # as FMI 3.0 calls them -> zig's target, the ending of a library
     "x86_64-linux": ("x86_64-linux-gnu.2.17", ".so"), "aarch64-linux": ("aarch64-linux-gnu.2.17", ".so"),
     "x86_64-windows": ("x86_64-windows-gnu", ".dll"),
@@ -41,9 +41,7 @@ def name(platform: str) -> str:
 
 def folders() -> list[Path]:
     """Where libraries are looked for. New ones go into the last: the user's cache where this is no checkout."""
-    if CHECKOUT.is_file():
-        return [BUILT]
-    return [BUILT, Path(os.environ.get("XDG_CACHE_HOME") or CACHES.get(sys.platform, "~/.cache")).expanduser() / "ahv"]
+    return [BUILT] if CHECKOUT.is_file() else [BUILT, user_cache_path("ahv", appauthor=False)]
 
 
 def compile_to(path: Path, platform: str) -> None:

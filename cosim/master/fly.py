@@ -10,7 +10,6 @@ import numpy as np
 from ..errors import RunError, UsageError
 from .algorithms import Method, method
 from .algorithms.base import Algorithm, Experiment
-from .declared import NUMERIC
 from .flight import Flight
 from .instance import Instance
 from .interruptions import interruptions
@@ -200,9 +199,7 @@ def advance(algorithm: Algorithm, experiment: Experiment, progress: Progress | N
 
 def inquire(instance: Instance) -> dict[str, Any]:
     """All parameters of a component with the values it flies with."""
-    file = instance.file
-    names = [n for causality in ("structuralParameter", "parameter", "calculatedParameter")
-             for n in file.names(causality) if file.variables[n].family in NUMERIC]
+    names = instance.file.parameters
     return dict(zip(names, instance.get(names)))
 
 

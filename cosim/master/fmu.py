@@ -4,6 +4,7 @@ import math
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from os.path import isfile
 from pathlib import Path, PurePosixPath
 from typing import Any
@@ -13,7 +14,7 @@ import numpy as np
 from ..errors import UsageError, did_you_mean
 from ..temporary import Folder
 from ..text import printable
-from .declared import Variable, is_true
+from .declared import NUMERIC, Variable, is_true
 from .description import Description, read, usable
 from .parameter_set import parameters
 from .program import DTYPES
@@ -196,6 +197,12 @@ class FmuFile:
     def names(self, causality: str) -> list[str]:
         """The variables of a causality, in the order of the description, arrays as their elements."""
         return [*self.listed.get(causality, ())]
+
+    @cached_property
+    def parameters(self) -> list[str]:
+        """The parameters of any kind that are numbers or truth values."""
+        return [n for causality in ("structuralParameter", "parameter", "calculatedParameter")
+                for n in self.names(causality) if self.variables[n].family in NUMERIC]
 
     def together(self, names: Iterable[str]) -> list[str]:
         """`names` with all elements of the arrays that they are in, which one call moves: each array's in a row."""

@@ -100,9 +100,9 @@ class Exchange:
 def initialise(batches: Iterable[list[Batch]], instances: Mapping[str, Instance], targets: Mapping[str, Connection],
                start: float, stop: float | None, tolerance: float | None = None,
                inputs: Mapping[str, Mapping[str, float]] = MappingProxyType({})) -> None:
-    """From instantiated, with parameters set, to ready to step; values are exchanged as `order` says. Times in s; the relative tolerance is each FMU's own,
-    of its default experiment, if it is None. `inputs` has values of inputs that nothing is connected to: component ->
-    variable -> value.
+    """From instantiated, with parameters set, to ready to step; `batches` are those of `order`. Times in s; the
+    relative tolerance is each FMU's own, of its default experiment, if it is None. `inputs` has values of inputs that
+    nothing is connected to: component -> variable -> value.
 
     Raises RunError if an FMU refuses, or if the values of a loop do not settle.
     """

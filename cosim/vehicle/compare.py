@@ -22,7 +22,7 @@ from ..master.isolated import launch
 from ..master.publish import publish
 from ..master.system import System
 from ..text import without_math
-from . import scenarios
+from . import burden, scenarios
 from .closed_loop import ClosedLoop, closed_loop, flavour_of
 from .figures import Panel, available
 from .limits import explained
@@ -32,7 +32,6 @@ from .scenarios import Scenario
 from .signals import course, source
 
 SETTLED = 0.02  # of a command's step
-COST_STEPS = 5000
 
 # figure's name, title, panels; a curve's style is taken from the flight. References are drawn once, dashed.
 PICTURES: list[tuple[str, str, tuple[Panel, ...]]] = [
@@ -102,11 +101,9 @@ def whole(system: System, step: float, stop: float, record: list[str] | None = N
     return flight
 
 
-def cost_per_step(loop: ClosedLoop, step: float) -> float:
-    """Microseconds of wall time per step of the controller alone, inputs held, the quickest of five flights."""
-    alone = System(tuple(c for c in loop.system.components if c.name == "controller"), ())
-    flights = [whole(alone, step, step * COST_STEPS, ["controller.elevator"]) for _ in range(5)]
-    return 1e6 * min(flight.wall_s for flight in flights) / COST_STEPS
+def controller_alone(loop: ClosedLoop) -> System:
+    """The controller of a loop, connected to nothing."""
+    return System(tuple(c for c in loop.system.components if c.name == "controller"), ())
 
 
 def loops_of(plan: Scenario, controllers: list[str], plant: str, flavour: str) -> dict[str, ClosedLoop]:
@@ -148,7 +145,9 @@ def compare(scenario: str | Scenario, controllers: list[str] | None = None, plan
             flights[column] = explained(whole(loop.system, step, plan.stop if stop is None else stop))
             fmu = next(c.fmu for c in loop.system.components if c.name == "controller")
             rows[column] = {"preset": loop.preset, **figures_of(flights[column]), **size_of(fmu, loop.preset),
-                            "cost_per_step_us": cost_per_step(loop, step), "wall_s": time.perf_counter() - began}
+                            "wall_s": time.perf_counter() - began}
+        for row, cost in zip(rows.values(), burden.costs([controller_alone(loop) for loop in loops.values()], step)):
+            row |= cost
         summary = {"scenario": plan.name, "flavour": flavour, "step_s": step, "controllers": rows,
                    "verdict": verdict(rows)}
         published = publish(folder, "compare", summary, lambda place: None,
@@ -158,15 +157,16 @@ def compare(scenario: str | Scenario, controllers: list[str] | None = None, plan
 
 
 BETTER = (*((METRICS[name].headline, name.split("."), METRICS[name].unit) for name in HEADLINES),
-          ("cost per step", ["cost_per_step_us"], "us"))
+          ("cost per step", [burden.COST], "us"))
 
 
 def verdict(table: dict[str, dict[str, Any]]) -> str:
-    """One sentence: which law has the smallest figure in what."""
+    """One sentence: which law has the smallest figure in what. Costs whose spreads overlap are no difference."""
     departed = [law for law, row in table.items() if not row["finished"]]
     if departed:
         return f"{' and '.join(shown(law) for law in departed)} departed."
     won: dict[str, list[str]] = {law: [] for law in table}
+    undecided = ""
     for name, keys, unit in BETTER:
         found = {}
         for law, row in table.items():
@@ -174,11 +174,16 @@ def verdict(table: dict[str, dict[str, Any]]) -> str:
             for key in keys:
                 value = value[key]
             found[law] = value
-        best = min(found, key=found.__getitem__)
-        others = " and ".join(f"{v:.3g}" for law, v in found.items() if law != best)
-        won[best].append(f"{name} ({found[best]:.3g} against {others} {unit})")
+        best = [min(found, key=found.__getitem__)] if keys != [burden.COST] else burden.alike(table)
+        smallest = " and ".join(f"{found[law]:.3g}" for law in best)
+        others = " and ".join(f"{v:.3g}" for law, v in found.items() if law not in best)
+        figures = f"({smallest}{f' against {others}' if others else ''} {unit})"
+        if len(best) == 1:
+            won[best[0]].append(f"{name} {figures}")
+        else:
+            undecided = f"; no difference in {name} was measured between {' and '.join(map(shown, best))} {figures}"
     sentences = [f"{shown(law)} has the smallest {', '.join(what)}" for law, what in won.items() if what]
-    return "; ".join(sentences) + "."
+    return "; ".join(sentences) + undecided + "."
 
 
 def draw(flights: dict[str, Flight], title: str, panels: tuple[Panel, ...]) -> Any:

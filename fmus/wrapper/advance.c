@@ -66,8 +66,9 @@ static Status initialise(Instance *instance)
                       number(low, suspect->minimum == -DBL_MAX ? -INFINITY : suspect->minimum * suspect->shown),
                       number(high, suspect->maximum == DBL_MAX ? INFINITY : suspect->maximum * suspect->shown),
                       suspect->unit);
+    model_constants((const double *[]){s->p}, (double *[]){s->k});
     model_start((const double *[]){s->u, s->p}, (double *[]){x});
-    model_outputs((const double *[]){&s->time, x, s->u, s->p}, (double *[]){y});
+    model_outputs((const double *[]){&s->time, x, s->u, s->p, s->k}, (double *[]){y});
     if (not_acceptable(reason, x, y))
         return refuse(instance, ERROR, MODEL_NAME " cannot start: %s", reason);
     take(s, x, y, s->time);
@@ -98,7 +99,7 @@ static Status evaluate(Instance *instance)
     char reason[SENTENCE];
     if (input_refused(reason, s))
         return discard(instance, s->time, reason);
-    model_outputs((const double *[]){&s->time, s->x, s->u, s->p}, (double *[]){instance->next_y});
+    model_outputs((const double *[]){&s->time, s->x, s->u, s->p, s->k}, (double *[]){instance->next_y});
     if (not_acceptable(reason, s->x, instance->next_y))
         return model_discards(instance, s->time, reason);
     return OK;
@@ -131,7 +132,7 @@ static Status find_rates(Instance *instance)
     Status status = refresh(instance);
     if (status != OK)
         return status;
-    model_derivative((const double *[]){&s->time, s->x, s->u, s->p}, (double *[]){instance->rates});
+    model_derivative((const double *[]){&s->time, s->x, s->u, s->p, s->k}, (double *[]){instance->rates});
     for (int i = 0; i < NS; i++)
         if (out_of_range(reason, &TABLE[FIRST_RATE + i], instance->rates[i]))
             return model_discards(instance, s->time, reason);
@@ -146,23 +147,27 @@ static int prepare(State *s, double step)
         return 0;
     s->count = count;
     s->h = step / count;
-    model_prepare((const double *[]){s->p, &s->h}, (double *[]){s->c});
+    model_prepare((const double *[]){s->p, &s->h, s->k}, (double *[]){s->c});
     s->step = step;
     return 1;
 }
 
-/* `step` seconds on from `time` with the inputs held, into next_y and the state that is returned. */
+/* `step` seconds on from `time` with the inputs held, into next_y and the state that is returned. The last internal
+   step is taken together with the outputs after it, which have much in common. */
 static const double *advance(Instance *instance, double time, double step)
 {
     const State *s = &instance->state;
-    const double *x = s->x;
     const double end = time + step;
-    const int count = (int)s->count;
-    for (int i = 0; i < count; i++) {
-        double t = time + i * s->h;
-        model_advance((const double *[]){&t, &s->h, x, s->u, s->p, s->c}, (double *[]){instance->next_x[i & 1]});
-        x = instance->next_x[i & 1];
+    const int last = (int)s->count - 1;
+    double t = time, w[LENGTH(NW)];
+    const double *arg[] = {&t, &s->h, s->x, s->u, s->p, s->k, s->c, w, &end};
+    const double **from = &arg[2];
+    model_hold((const double *[]){&s->h, s->u, s->p, s->k, s->c}, (double *[]){w});
+    for (int i = 0; i < last; i++) {
+        model_advance(arg, (double *[]){instance->next_x[i & 1], instance->next_y}); /* next_y may stay as it is */
+        *from = instance->next_x[i & 1];
+        t = time + (i + 1) * s->h;
     }
-    model_outputs((const double *[]){&end, x, s->u, s->p}, (double *[]){instance->next_y});
-    return x;
+    model_finish(arg, (double *[]){instance->next_x[last & 1], instance->next_y});
+    return instance->next_x[last & 1];
 }

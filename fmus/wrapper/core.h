@@ -46,7 +46,8 @@ typedef struct {
     double stop_time; /* infinity if none was given */
     double step;      /* the communication step that count, h and c were prepared for; 0 for none */
     double count, h;  /* number and length of its internal steps */
-    double x[LENGTH(NX)], u[LENGTH(NU)], p[LENGTH(NP)], y[LENGTH(NY)], c[LENGTH(NC)];
+    double x[LENGTH(NX)], u[LENGTH(NU)], p[LENGTH(NP)], y[LENGTH(NY)];
+    double k[LENGTH(NK)], c[LENGTH(NC)]; /* what p decides, and what p and h decide */
     double refused[LENGTH(NU)]; /* the inf or nan an input was last set to, 0 for none */
     int64_t step_status; /* what the last step returned */
     int32_t kind, phase;

@@ -25,8 +25,8 @@ class Member:
         self.states = [self.name_of_state(unknown.variable) for unknown in self.description.derivatives]
         self.nominal = np.array([float(variables[name].nominal or 1.0) for name in self.states])
         make = FMU3Model if self.fmi3 else FMU2Model
-        self.fmu = make(guid=self.description.guid or self.description.instantiationToken, unzipDirectory=str(self.folder),
-                        modelIdentifier=path.stem, instanceName=path.stem)
+        token = self.description.guid or self.description.instantiationToken
+        self.fmu = make(guid=token, unzipDirectory=str(self.folder), modelIdentifier=path.stem, instanceName=path.stem)
         self.fmu.instantiate()
         self.n = len(self.states)
 
@@ -56,6 +56,9 @@ class Member:
         self.fmu.enterInitializationMode()
         self.set(**dict(at_start))
         self.fmu.exitInitializationMode()
+        self.to_continuous_time()
+
+    def to_continuous_time(self):
         self.fmu.updateDiscreteStates() if self.fmi3 else self.fmu.newDiscreteStates()
         self.fmu.enterContinuousTimeMode()
 
@@ -108,8 +111,10 @@ def solve(members, seconds, rtol, wire=lambda: None):
             member.fmu.setTime(time)
 
     solver = CVodeSolver(n, 0, get_x, set_x, get_rate, lambda *_: None, get_nominals, set_time, NO_INPUT, 0.0,
-                         relativeTolerance=rtol, maxNumSteps=100_000)
-    solver.step(0.0, seconds)
-    if refused:
-        raise refused[0]
+                         relativeTolerance=rtol, maxNumSteps=10_000)
+    try:
+        solver.step(0.0, seconds)
+    finally:
+        if refused:
+            raise refused[0]
     return np.concatenate([member.x for member in members])

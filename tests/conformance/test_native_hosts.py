@@ -3,6 +3,7 @@ import os
 import shutil
 import subprocess
 import sys
+from dataclasses import dataclass
 
 import pytest
 from native_host import HEADERS, HOSTS, STRICT, WARNINGS, Unpacked, host, run, sanitizer, wiring
@@ -48,12 +49,37 @@ def replay_file(path, controller: Unpacked, reference: Recording):
     return path
 
 
-def test_a_c_host_without_python_reproduces_the_reference(members, folder, reference):
-    controller = members[1]
-    record_file = replay_file(folder / "case1.txt", controller, reference)
-    said = run(host("replay", folder), controller.library(), controller.guid, record_file, env=NO_PYTHON)
+@dataclass(frozen=True)
+class Version:
+    """The controller of a version of FMI, the program of `native/` that replays it, and its platforms' folders."""
+    controller: Unpacked
+    program: str
+    linux: str
+    windows: str
+
+
+@pytest.fixture(scope="module", params=["2", "3"], ids=["fmi2", "fmi3"])
+def version(request, native_fmus, native_fmi3_fmus, tmp_path_factory) -> Version:
+    program, fmus, *platforms = {"2": ("replay", native_fmus, "linux64", "win64"),
+                                 "3": ("replay3", native_fmi3_fmus, "x86_64-linux", "x86_64-windows")}[request.param]
+    folder = tmp_path_factory.mktemp(f"fmi{request.param}")
+    return Version(Unpacked.of(fmus["AhvController"], folder), program, *platforms)
+
+
+@pytest.fixture
+def case1(version, reference, tmp_path):
+    return replay_file(tmp_path / "case1.txt", version.controller, reference)
+
+
+def agrees(said: str) -> bool:
     rows, difference = said.split()
-    assert int(rows) == 10001 and float(difference) < 1e-9
+    return int(rows) == 10001 and float(difference) < 1e-9
+
+
+def test_a_c_host_without_python_reproduces_the_reference(version, case1, tmp_path):
+    controller = version.controller
+    program = host(version.program, tmp_path)
+    assert agrees(run(program, controller.library(version.linux), controller.guid, case1, env=NO_PYTHON))
 
 
 @pytest.mark.skipif(not shutil.which("valgrind"), reason="no valgrind: apt-get install valgrind")
@@ -89,14 +115,33 @@ def test_memory_does_not_grow_over_the_cycles(members, loop):
     assert peak(10_000) - peak(100) < 500  # KB: less than pages laid out otherwise and far less than anything left
 
 
+@pytest.mark.parametrize("door", ["fuzz", "fuzz3"])
 @pytest.mark.parametrize(("model", "calls"), [("AhvController", 20_000), ("AhvPlant", 20_000), *(
     pytest.param(name, 1_000_000, marks=pytest.mark.slow) for name in LOOP)])
-def test_fuzzed_calls_are_refused_and_change_nothing(members, folder, model, calls):
-    sources = members[LOOP.index(model)].folder / "sources"
-    program = folder / f"fuzz_{model}"
-    sanitizer()(*WARNINGS, f"-I{sources}", "-o", program, HOSTS / "fuzz.c", sources / "all.c", "-lm")
-    said = run(program, 20261122, calls)
+def test_fuzzed_calls_are_refused_and_change_nothing(members, folder, model, calls, door):
+    """Through the doors of FMI 2.0 and 3.0, in co-simulation and in model exchange."""
+    member = members[LOOP.index(model)]
+    sources, built, program = member.folder / "sources", folder / f"fuzzed_{model}.o", folder / f"{door}_{model}"
+    if not built.exists():
+        sanitizer()(*WARNINGS, "-c", "-o", built, sources / "all.c")
+    if not program.exists():
+        sanitizer()(*WARNINGS, f"-I{sources}", "-o", program, HOSTS / f"{door}.c", built, "-lm")
+    said = run(program, 20261122, calls, member.description.numberOfContinuousStates)
     assert said.startswith(f"{calls} calls")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize("model", LOOP)
+def test_the_memory_of_10000_instances_is_their_blocks(members, folder, model, version):
+    """One block each: what the importer's state buffer holds, states and outputs once more, the allocator's rest."""
+    member = members[LOOP.index(model)]
+    sources, program = member.folder / "sources", folder / f"many_{model}"
+    if not program.exists():
+        cc(*STRICT, f"-I{sources}", "-o", program, HOSTS / "many.c", sources / "all.c", "-lm")
+    before, after = map(int, run(program, version, 10_000).split())
+    print(f"{model}, FMI {version}: {(after - before) / 10_000:.2f} KB each, {after / 1024:.1f} MB in all")
+    assert after - before < 10_000 * 2.5
 
 
 def test_one_step_of_controller_and_plant_takes_microseconds(members, loop):
@@ -107,30 +152,23 @@ def test_one_step_of_controller_and_plant_takes_microseconds(members, loop):
 
 @pytest.mark.slow
 @pytest.mark.skipif(not shutil.which("wine"), reason="no wine64: apt-get install wine64")
-def test_the_same_host_and_fmu_fly_on_windows(members, reference, tmp_path):
-    controller = members[1]
-    record_file = replay_file(tmp_path / "case1.txt", controller, reference)
+def test_the_same_host_and_fmu_fly_on_windows(version, case1, tmp_path):
+    controller = version.controller
     program = tmp_path / "replay.exe"
-    cc(*STRICT, f"-I{HEADERS}", "-o", program, HOSTS / "replay.c", target="x86_64-windows-gnu")
-    said = run("wine", program, controller.library("win64", ".dll"), controller.guid, record_file,
-               env={**os.environ, "WINEDEBUG": "-all", "WINEPREFIX": str(tmp_path / "wine")})
-    rows, difference = said.split()
-    assert int(rows) == 10001 and float(difference) < 1e-9
+    cc(*STRICT, f"-I{HEADERS}", "-o", program, HOSTS / f"{version.program}.c", target="x86_64-windows-gnu")
+    assert agrees(run("wine", program, controller.library(version.windows, ".dll"), controller.guid, case1,
+                      env={**os.environ, "WINEDEBUG": "-all", "WINEPREFIX": str(tmp_path / "wine")}))
 
 
 @pytest.mark.slow
 @pytest.mark.skipif(not shutil.which("qemu-aarch64"), reason="no qemu-user: apt-get install qemu-user")
-def test_the_sources_fly_on_an_arm_processor(members, reference, tmp_path):
+def test_the_sources_fly_on_an_arm_processor(version, case1, tmp_path):
     """Statically linked, with the FMU's own sources, because Debian's Arm libraries are not at hand."""
-    controller = members[1]
-    record_file = replay_file(tmp_path / "case1.txt", controller, reference)
     program = tmp_path / "replay.arm"
-    sources = controller.folder / "sources"
-    cc(*STRICT, "-static", "-DLINKED", f"-I{sources}", "-o", program, HOSTS / "replay.c", sources / "all.c", "-lm",
-       target="aarch64-linux-musl")
-    said = run("qemu-aarch64", program, "linked", controller.guid, record_file)
-    rows, difference = said.split()
-    assert int(rows) == 10001 and float(difference) < 1e-9
+    sources = version.controller.folder / "sources"
+    cc(*STRICT, "-static", "-DLINKED", f"-I{sources}", "-o", program, HOSTS / f"{version.program}.c",
+       sources / "all.c", "-lm", target="aarch64-linux-musl")
+    assert agrees(run("qemu-aarch64", program, "linked", version.controller.guid, case1))
 
 
 def test_an_importer_can_compile_the_sources_again(native_fmus, tmp_path):

@@ -4,6 +4,7 @@ import math
 import pytest
 import sampled_model
 from native_loop import Loaded
+from one_platform import one_platform
 
 from cosim.conformance import check
 from fmus.builder import build
@@ -13,7 +14,8 @@ SHOWN = ("seen", "runs", "at")
 
 @pytest.fixture(scope="module", params=["native", "python"])
 def path(request, tmp_path_factory):
-    return build(sampled_model, request.param, tmp_path_factory.mktemp("sampled"))
+    with one_platform():
+        return build(sampled_model, request.param, tmp_path_factory.mktemp("sampled"))
 
 
 @pytest.fixture(scope="module")
@@ -60,6 +62,11 @@ def test_a_long_step_has_several_instants(law, step, runs):
     begun(law)
     law.slave.doStep(0.0, step)
     assert law.get("runs", "at", "length") == [runs, pytest.approx((runs - 1) * 0.1), 0.1]
+
+
+def test_it_runs_at_the_start_in_steps_however_short(law):
+    begun(law, 5.0)
+    assert stepped(law, 1e-9, 3, 5.0) == [[5.0, 1.0, 5.0]] * 3
 
 
 def test_before_it_ran_it_shows_its_start_and_afterwards_no_input_at_once(law):

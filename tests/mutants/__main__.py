@@ -159,13 +159,14 @@ class Copy:
         wanted = ("AhvScenario",) if every else FMUS[room] or registry.MODELS
         registry.MODELS = {name: registry.MODELS[name] for name in wanted}
         if not every:
-            flavour.PLATFORMS = {"linux64": flavour.PLATFORMS["linux64"]}
+            flavour.PLATFORMS = {"x86_64-linux": flavour.PLATFORMS["x86_64-linux"]}
         names, make = {module: name for name, module in registry.MODELS.items()}, building.build
 
-        def built(model: str, flavour: str, *more: object) -> Path:
+        def built(model: str, flavour: str, *more: object, fmi: str = "2") -> Path:
             if flavour == "native" and model in names:
-                return recompiled(self.dist / flavour / f"{names[model]}.fmu", self.root / "fmus" / "wrapper")
-            return make(model, flavour, *more)
+                file = self.dist / building.folder(flavour, fmi) / f"{names[model]}.fmu"
+                return recompiled(file, self.root / "fmus" / "wrapper")
+            return make(model, flavour, *more, fmi=fmi)
 
         if room == "wrapper":
             building.build = built

@@ -21,7 +21,9 @@ def recompiled(fmu: Path, wrapper: Path) -> Path:
             for name in [name for name in contents if name.startswith("sources/")]:
                 Path(folder, Path(name).name).write_bytes(contents[name])
             subprocess.run([*COMPILE, "-o", "library.so", "all.c", "-lm"], cwd=folder, check=True, capture_output=True)
-            contents[f"binaries/linux64/{fmu.stem}.so"] = Path(folder, "library.so").read_bytes()
+            for platform in ("linux64", "x86_64-linux"):  # as FMI 2.0 and 3.0 call it
+                if (name := f"binaries/{platform}/{fmu.stem}.so") in contents:
+                    contents[name] = Path(folder, "library.so").read_bytes()
         with ZipFile(fmu, "w") as archive:
             for name, content in contents.items():
                 archive.writestr(name, content)

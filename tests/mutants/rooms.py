@@ -25,6 +25,10 @@ ROOMS: dict[str, list[tuple[str, list[str] | None]]] = {
     ],
     "fmus": [
         ("fmus/documentation.py", ["unit/test_written_files"]),
+        ("fmus/equations.py", ["unit/test_equations"]),
+        ("fmus/description3.py", ["conformance/test_fmi3_files"]),
+        ("fmus/experiments.py", ["conformance/test_experiments"]),
+        ("fmus/release.py", ["system/test_release"]),
         ("fmus/check_model.py", ["unit/test_model_mistakes conformance/test_anybodys_model"]),
         ("fmus/[rs]*.py", ["unit/test_slave unit/test_models", "conformance/test_contract"]),
         ("fmus/native_compiler.py", ["platforms conformance/test_native_files -k not page"]),

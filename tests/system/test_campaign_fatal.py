@@ -2,7 +2,6 @@
 from dataclasses import replace
 from pathlib import Path
 
-import fmpy
 import pytest
 import small
 
@@ -24,8 +23,7 @@ def fmus(tmp_path, monkeypatch):
     code = code.replace(counted, f'if (dead) fclose(fopen("{tmp_path / "called"}", "w"));')
     source = tmp_path / "small.c"
     source.write_text(code)
-    headers = Path(fmpy.__file__).parent / "c-code"
-    cc("-O2", "-shared", "-fPIC", "-w", f"-I{headers}", source, "-o", tmp_path / "small.so")
+    cc("-O2", "-shared", "-fPIC", "-w", f"-I{small.HEADERS}", source, "-o", tmp_path / "small.so")
     monkeypatch.setattr(small, "library", lambda folder: tmp_path / "small.so")
     return small.build(tmp_path), small.build(tmp_path, direct=None)
 

@@ -13,6 +13,21 @@ def files(native_fmus, tmp_path_factory):
     return matrix.Files(tmp_path_factory.mktemp("importers"))
 
 
+@pytest.fixture(scope="module")
+def files3(native_fmi3_fmus, tmp_path_factory):
+    return matrix.Files(tmp_path_factory.mktemp("importers3"), "native-fmi3")
+
+
+@pytest.mark.parametrize("importer", [i for i in matrix.IMPORTERS if i.what in (matrix.LOOP, matrix.CONTROLLER)],
+                         ids=lambda i: f"{i.name}, {i.what}")
+def test_an_importer_flies_ours_of_fmi_3_or_fails_as_told(importer, files3):
+    if importer.fails3:
+        with pytest.raises(RuntimeError, match=importer.fails3):
+            files3.difference(importer)
+    else:
+        assert files3.difference(importer) <= importer.limit
+
+
 @pytest.mark.parametrize("importer", matrix.IMPORTERS, ids=lambda i: f"{i.name}, {i.what}")
 def test_an_importer_flies_ours_or_fails_as_told(importer, files):
     if importer.fails:

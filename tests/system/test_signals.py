@@ -183,14 +183,14 @@ def test_a_call_that_does_not_return_is_ended_and_what_was_flown_is_kept(name, c
 
 def wait_for_hang(command: Command) -> None:
     """Until the process that calls the FMUs has loaded what it needs and used no time for a while: it hangs."""
-    deadline, seen = time.monotonic() + 60, [0.0]
+    deadline, seen = time.monotonic() + 60, [-1.0]
     while time.monotonic() < deadline:
         time.sleep(0.1)
         try:
             workers = [p for p in psutil.Process(command.process.pid).children(recursive=True) if not p.children()]
-            seen.append(sum(p.cpu_times().user for p in workers))
+            seen.append(sum(p.cpu_times().user for p in workers) if workers else -1.0)
         except psutil.NoSuchProcess:  # it ended while it was looked at
             continue
-        if seen[-1] > 0 and len(seen) > 30 and seen[-1] == seen[-30]:
+        if seen[-1] >= 0 and len(seen) > 30 and seen[-1] == seen[-30]:
             return
     raise AssertionError("The process of the flight does not hang.")

@@ -75,7 +75,7 @@ class Systems(LoadedSystems):
     def __init__(self, flown, **changes):
         super().__init__(job(**changes), None)
         self.flown, self.dropped = flown, []
-        self.masters["law"] = SimpleNamespace(instances=[Instance(), Instance()]), None
+        self.masters["law"] = SimpleNamespace(instances=[Instance(), Instance()], columns=[]), None
 
     def ready(self, law, values):
         return self.masters[law][0]
@@ -90,7 +90,8 @@ class Systems(LoadedSystems):
 def ended(monkeypatch, flown, **changes):
     """(the outcome of a run, which systems were unloaded)."""
     systems = Systems(flown, **changes)
-    monkeypatch.setattr(worker, "fly_loaded", lambda master, method, step, ticks, progress: flown(master, progress))
+    monkeypatch.setattr(worker, "fly_loaded",
+                        lambda master, method, step, ticks, progress, recorder: flown(master, progress))
     return systems.fly(ONE), systems.dropped
 
 

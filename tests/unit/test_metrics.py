@@ -106,15 +106,25 @@ def test_every_metric_can_be_a_criterion(name):
     assert metrics_of(f"{name} < 3") == [name]
 
 
+def compared(**costs):
+    """Rows of two laws of unequal height, with these costs of a step and their spreads."""
+    made_of = {"plant.h": 0.0, "scenario.h_command": 100.0, "scenario.V_command": 50.0}
+    return {law: {**figures_of(made(TIME, {**FLOWN, **made_of, "plant.h": height})), "cost_per_step_us": cost,
+                  "cost_per_step_spread_us": {"from": cost - spread, "to": cost + spread}}
+            for (law, (cost, spread)), height in zip(costs.items(), (101.0, 103.0))}
+
+
 def test_a_flight_is_compared_by_its_headlines():
-    rows = {law: {**figures_of(made(TIME, {**FLOWN, "plant.h": height, "scenario.h_command": 100.0,
-                                           "scenario.V_command": 50.0})), "cost_per_step_us": cost}
-            for law, height, cost in (("a", 101.0, 2.0), ("b", 103.0, 1.0))}
     assert len(BETTER) == len(HEADLINES) + 1 == 5
-    assert verdict(rows) == (
+    assert verdict(compared(a=(2.0, 0.1), b=(1.0, 0.1))) == (
         "a has the smallest maximum altitude error (1 against 3 ft), rms altitude error (1 against 3 ft), maximum "
         "velocity error (1 against 1 ft/s), elevator travel (9 against 9 deg); b has the smallest cost per step "
         "(1 against 2 us).")
+
+
+def test_costs_whose_spreads_overlap_are_no_difference():
+    assert verdict(compared(a=(2.0, 0.6), b=(1.0, 0.6))).endswith(
+        "(9 against 9 deg); no difference in cost per step was measured between a and b (2 and 1 us).")
 
 
 def test_time_at_a_limit_is_counted_in_seconds_and_not_in_rows():

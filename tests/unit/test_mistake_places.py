@@ -4,7 +4,9 @@ from pathlib import Path
 from zipfile import ZipFile
 
 import pytest
+from one_platform import one_platform
 
+import cosim
 import fmus
 
 TABLE = '''"""Where a table's rows come from."""
@@ -92,6 +94,13 @@ PLACES = {
                              "(gain.py, line 7)."),
     "a worth that is none": ("VARIABLES = [", 'UNITS = {"ell": 1.1}\nVARIABLES = [', "Gain: UNITS gives 1.1 for ell; ",
                              "(gain.py, line 7)."),
+    "a display unit of something else": ('"u", "input", "m"', '"u", "input", "m in kN"',
+        "Gain: u: in the unit 'm in kN', kN is no unit of the same quantity as m", "(gain.py, line 8)."),
+    "a display unit that there is not": ('"u", "input", "m"', '"u", "input", "m in ell"',
+        "Gain: u: in the unit 'm in ell', 'ell' is not known; ", "shown as it is (gain.py, line 8)."),
+    "a terminal of what is no port": ("PRESETS = {", 'TERMINALS = {"all": ["u", "yy"]}\nPRESETS = {',
+                                      "Gain: the terminal all has 'yy', which is no input or output (did you mean y?)",
+                                      "(gain.py, line 14)."),
     "a function that is missing": ("def start(", "def begin(", "Gain: there is no function start(m, u, p)",
                                    "(gain.py)."),
     "other arguments": ("def advance(m, t, h, x, u, p, c)", "def advance(m, t, h, x)", "Gain: advance(m, t, h, x) has ",
@@ -121,8 +130,21 @@ def test_a_mistake_is_told_with_its_line(mistake, written):
     assert sentence.startswith(begins) and sentence.endswith(ends), sentence
 
 
+def test_a_row_in_another_folder_has_its_line_and_a_broken_file_nearby_is_no_hindrance(tmp_path):
+    room = tmp_path / "gain_home" / "room"
+    room.mkdir(parents=True)
+    for folder in (room, room.parent):
+        (folder / "__init__.py").write_text("")
+    (room / "broken.py").write_text("def (")
+    (room.parent / "gain_table.py").write_text(TABLE.replace("2.0, 0.0", "6.0, 0.0"))
+    (room / "gain.py").write_text(MODEL.replace("from gain_table", "from ..gain_table"))
+    assert told(room / "gain.py").endswith("start 6.0 is outside [0.0, 5.0] (gain_table.py, line 3).")
+
+
 def test_the_native_flavour_may_import_what_does_not_travel(written):
-    assert fmus.build(written("import math", "import numpy"), "native", written().parent / "dist").is_file()
+    file = written("import math", "import numpy")
+    with one_platform():
+        assert fmus.build(file, "native", file.parent / "dist").is_file()
 
 
 def test_a_file_is_built_and_forgotten_so_that_another_may_have_files_of_the_same_names(written, tmp_path):
@@ -143,6 +165,18 @@ def test_a_unit_of_its_own_is_written_with_its_worth(written, tmp_path):
     with ZipFile(fmus.build(file, "python", tmp_path / "dist")) as archive:
         text = archive.read("modelDescription.xml").decode()
     assert '<Unit name="ell/s">\n      <BaseUnit m="1" s="-1" factor="1.143" />' in text
+
+
+@pytest.mark.parametrize("flavour", ["native", "python"])
+def test_a_display_unit_stands_in_the_description_and_in_sentences(flavour, written, tmp_path):
+    file = written('"m", None, None, None, 1.0', '"m in mm", None, -0.5, 1.5, 1.0')
+    with one_platform():
+        path = fmus.build(file, flavour, tmp_path / "dist")
+    with ZipFile(path) as archive:
+        text = archive.read("modelDescription.xml").decode()
+    assert '<DisplayUnit name="mm" factor="1000.0" />' in text and 'unit="m" displayUnit="mm"' in text
+    with pytest.raises(cosim.RunError, match=r"y = 2000 mm .*1500 mm"):
+        cosim.fly(cosim.System([cosim.Component("gain", path, {"bias": 2.0})]), step=0.1, stop=1)
 
 
 def test_a_model_in_a_package_knows_its_neighbours(tmp_path):

@@ -10,14 +10,8 @@
 
 #ifdef LINKED /* with the FMU's own all.c, where nothing can be loaded at run time */
 #include "fmi2Functions.h"
-#elif defined _WIN32
-#include <windows.h>
-#define OPEN(path) ((void *)LoadLibraryA(path))
-#define SYMBOL(library, name) ((void *)GetProcAddress((HMODULE)(library), name))
 #else
-#include <dlfcn.h>
-#define OPEN(path) dlopen(path, RTLD_NOW | RTLD_LOCAL)
-#define SYMBOL(library, name) dlsym(library, name)
+#include "library.h"
 #endif
 
 #define FUNCTIONS(X) \
