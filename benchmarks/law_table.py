@@ -8,7 +8,6 @@ a row that has been flown is only printed, an interrupted one is continued. Inte
 import argparse
 import statistics
 import sys
-import tempfile
 from pathlib import Path
 
 import numpy as np
@@ -120,8 +119,7 @@ def print_cost(rounds: int = 5) -> None:
     found: dict[str, list[float]] = {law: [] for law in LAWS}
     for _ in range(rounds):
         for law, fmu in LAWS.items():
-            with tempfile.TemporaryDirectory() as folder:
-                found[law].append(native(fmu, Path(folder))[0])
+            found[law].append(native(fmu))
     best = {law: min(times) for law, times in found.items()}
     print("\ntime of a 10 ms step, best and median of", rounds, "rounds (us): "
           + ", ".join(f"{law} {best[law]:.3f}, {statistics.median(times):.3f}" for law, times in found.items())

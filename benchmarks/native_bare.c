@@ -31,7 +31,7 @@ void bare_steps(int steps)
         __asm__ volatile("" ::: "memory"); /* the compiler may not do for all steps at once what each does anew */
         model_hold((const double *[]){&h, u, p, k, c}, (double *[]){w});
         for (int j = 0; j < count - 1; j++, into = !into) {
-            model_advance(arg, (double *[]){x[into]});
+            model_advance(arg, (double *[]){x[into], y});
             arg[2] = x[into];
         }
         model_finish(arg, (double *[]){x[into], y});

@@ -6,6 +6,7 @@ import casadi
 from .trace import Trace
 
 NONE = casadi.SX(0, 1)
+CHEAP = 1.1  # outputs that make an advance longer by no more than this are taken along: half the code is in the caches
 
 
 @dataclass(frozen=True)
@@ -28,6 +29,11 @@ class Hoisted:
     def sizes(self) -> dict[str, int]:
         """Lengths of k, c and w."""
         return {"k": self.constants.size1_out(0), "c": self.prepare.size1_out(0), "w": self.hold.size1_out(0)}
+
+    @property
+    def advances_apart(self) -> bool:
+        """Whether it is worth to have `advance`, where `finish` does the same and more."""
+        return bool(self.finish.n_instructions() > CHEAP * self.advance.n_instructions())
 
 
 def entries(*vectors: casadi.SX) -> list[casadi.SX]:

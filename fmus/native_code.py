@@ -54,8 +54,8 @@ def function_code(trace: Trace, own: Hoisted) -> str:
     version of CasADi is known to write.
     """
     generator = casadi.CodeGenerator("model", {"casadi_real": "double", "casadi_int": "int"})
-    kept = [own.constants, own.prepare, own.hold, trace.start, own.advance, own.finish, own.outputs, own.derivative,
-            *tangents(trace)]
+    kept = [own.constants, own.prepare, own.hold, trace.start, *([own.advance] if own.advances_apart else []),
+            own.finish, own.outputs, own.derivative, *tangents(trace)]
     for function in kept:
         generator.add(function)
     text = generator.dump()
@@ -65,6 +65,7 @@ def function_code(trace: Trace, own: Hoisted) -> str:
     bodies = re.findall(r"^/\* (\w+):[^\n]*\*/\n(static int casadi_f\d+\(.*?^\}\n)", text, re.MULTILINE | re.DOTALL)
     code = "\n".join(['#include "angles.h"\n', helpers, *(internal_function(*body) for body in bodies)])
     code = re.sub(r"\b(sin|cos)\(", r"angle_\1(", code.replace("casadi_real", "double"))
+    code += "" if own.advances_apart else "\n#define model_advance model_finish\n"
     if [name for name, _ in bodies] != [f.name() for f in kept] or re.search(r"arg\[\d+\]\?|\b(iw|w|return 1)\b", code):
         raise RuntimeError(f"CasADi {version('casadi')} generates C of another shape than {__name__} knows")
     return code

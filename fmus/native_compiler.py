@@ -18,7 +18,9 @@ WINDOWS = Path(__file__).parent / "wrapper" / "windows"
 LINUX = "x86_64-linux-gnu.2.17"  # of 2012: any Linux in use has at least this C library
 
 # The same floating point everywhere, and the same as Python's: no contraction, no fast mathematics.
-COMPILE = ["-std=c99", "-O2", "-ffp-contract=off", "-fno-math-errno", "-fno-slp-vectorize", "-fvisibility=hidden", "-fPIC", "-g0"]
+# Not in pairs of two numbers either: packing them costs more than it saves in long straight code.
+COMPILE = ["-std=c99", "-O2", "-ffp-contract=off", "-fno-math-errno", "-fno-slp-vectorize", "-fvisibility=hidden",
+           "-fPIC", "-g0"]
 LINK = ["-shared", "-s"]
 
 

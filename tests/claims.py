@@ -55,8 +55,8 @@ def operations(model, step=0.01):
     flown = hoisted(traced, rates(traced))
     internal = next((v.start for v in variables(model.VARIABLES) if v.name == "internal_step"), step)
     moves = (casadi.OP_INPUT, casadi.OP_OUTPUT, casadi.OP_CONST)
-    hold, advance, finish = (sum(f.instruction_id(i) not in moves for i in range(f.n_instructions()))
-                             for f in (flown.hold, flown.advance, flown.finish))
+    called = flown.hold, flown.advance if flown.advances_apart else flown.finish, flown.finish
+    hold, advance, finish = (sum(f.instruction_id(i) not in moves for i in range(f.n_instructions())) for f in called)
     return hold + (internal_steps(step, internal) - 1) * advance + finish
 
 

@@ -164,7 +164,7 @@ static const double *advance(Instance *instance, double time, double step)
     const double **from = &arg[2];
     model_hold((const double *[]){&s->h, s->u, s->p, s->k, s->c}, (double *[]){w});
     for (int i = 0; i < last; i++) {
-        model_advance(arg, (double *[]){instance->next_x[i & 1]});
+        model_advance(arg, (double *[]){instance->next_x[i & 1], instance->next_y}); /* next_y may stay as it is */
         *from = instance->next_x[i & 1];
         t = time + (i + 1) * s->h;
     }

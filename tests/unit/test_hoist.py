@@ -1,4 +1,6 @@
 """What is known before a step is taken out of it, and the numbers stay what they were."""
+from dataclasses import replace
+
 import casadi
 import numpy as np
 import pytest
@@ -65,3 +67,13 @@ def test_what_is_known_is_taken_out_once_and_divisions_become_products():
     assert str(parts) == "[(1./p_0), exp(p_1)]" and symbols.numel() == 2
     assert str(results[0]) == "[(x_0*k0), (x_1*k0), (0.25*x_0), p_1]"
     assert str(results[1]) == "((k1*x_0)+k1)"
+
+
+def test_outputs_are_taken_along_where_they_cost_next_to_nothing(trace):
+    assert hoisted(trace, trace.derivative).advances_apart
+    state = x
+    for _ in range(50):
+        state = casadi.sin(state)
+    long = casadi.Function("advance", [t, h, x, u, p, c], [state])
+    shown = casadi.Function("outputs", [t, x, u, p], [x])
+    assert not hoisted(replace(trace, advance=long, outputs=shown), trace.derivative).advances_apart
