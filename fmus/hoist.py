@@ -80,7 +80,7 @@ def hoist(expressions: list[casadi.SX], known: list[casadi.SX], name: str
     inputs, results = [known, others], [casadi.SX(e.sparsity()) for e in expressions]
     symbols: dict[int, casadi.SX] = {}
     parts: list[casadi.SX] = []
-    reciprocals: dict[int, casadi.SX] = {}
+    reciprocals: dict[int, tuple[casadi.SX, casadi.SX]] = {}  # the divisor is kept, for a hash is its while it lives
     work: dict[int, tuple[casadi.SX, bool]] = {}  # place -> what stands there, and whether it is known
 
     def taken(value: casadi.SX, early: bool) -> casadi.SX:
@@ -105,7 +105,7 @@ def hoist(expressions: list[casadi.SX], known: list[casadi.SX], name: str
             early = all(is_known for _, is_known in operands)
             if operation == casadi.OP_DIV and operands[1][1] and not early and i not in exact:
                 divisor = operands[1][0]
-                reciprocal = reciprocals.setdefault(divisor.element_hash(), 1 / divisor)
+                _, reciprocal = reciprocals.setdefault(divisor.element_hash(), (divisor, 1 / divisor))
                 work[into[0]] = operands[0][0] * taken(reciprocal, True), False
             else:
                 values = [value if early else taken(value, is_known) for value, is_known in operands]
