@@ -4,6 +4,7 @@ from .ports import PARAMETERS, PORTS, SMALL
 from .ports import TERMINALS as TERMINALS
 
 NAME = "AhvBackstepping"
+AUTHOR = "the AHV FMU authors"
 DESCRIPTION = "Backstepping controller with tracking differentiators and disturbance observers, a reconstruction"
 
 # Tuned for both cases, four flights with groups that scale against each other, and two with constant scales

@@ -4,6 +4,7 @@ from .ports import DEG, PARAMETERS, PORTS, SMALL
 from .ports import TERMINALS as TERMINALS
 
 NAME = "AhvController"
+AUTHOR = "the AHV FMU authors"
 DESCRIPTION = "Adaptive neural controller of a flexible air-breathing hypersonic vehicle, equations (17)-(67)"
 
 PRINTED = {

@@ -4,6 +4,7 @@ from .ports import TERMINALS as TERMINALS
 from .resilient import SECTIONS, advance, outputs, prepare, start  # noqa: F401  (the last four: the component)
 
 NAME = "AhvResilient"
+AUTHOR = "the AHV FMU authors"
 DESCRIPTION = "Control law that keeps the vehicle while its coefficients err by 40 %, each group on its own"
 
 NO_FILTER = {f"section_{k}_{name}": 0.0 for k in SECTIONS for name in ("zero", "zero_damping", "pole", "pole_damping")}

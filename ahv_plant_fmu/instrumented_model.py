@@ -16,6 +16,7 @@ from . import model as plant
 from .noise import LARGEST_SEED, samples
 
 NAME = "AhvInstrumentedPlant"
+AUTHOR = "the AHV FMU authors"
 DESCRIPTION = "The vehicle with actuator lag, rate limits, delays and sensor noise, all off by default"
 
 TAP, TAPS = 0.005, 50

@@ -12,6 +12,7 @@ from .trim import level_trim
 from .vehicle import COEFFICIENTS, STRUCTURES
 
 NAME = "AhvPlant"
+AUTHOR = "the AHV FMU authors"
 DESCRIPTION = "Longitudinal dynamics of a flexible air-breathing hypersonic vehicle, equations (1)-(9)"
 
 DEG = pi / 180

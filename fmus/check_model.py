@@ -26,7 +26,7 @@ from .check_table import (
     line_of_text,
 )
 from .integrators import METHODS, USUAL_ORDER, advancing
-from .interface import GIVEN, computed, names, sample_time, variables
+from .interface import GIVEN, ORIGIN, computed, names, sample_time, variables
 from .lines import file_place, function_place
 from .mistakes import ModelError as ModelError
 from .mistakes import nearest
@@ -71,6 +71,9 @@ def check_parts(model: ModuleType) -> None:
         raise ModelError(model, f"NAME {model.NAME!r} is not allowed; Windows has no files of that name")
     if not line_of_text(model.DESCRIPTION):
         raise ModelError(model, "DESCRIPTION must be one line, without control characters")
+    for part in ORIGIN:
+        if not line_of_text(getattr(model, part, "")):
+            raise ModelError(model, f"{part} must be one line of text, without control characters")
     for function, arguments in ARGUMENTS.items():
         written = getattr(model, function, None)
         if written is None and function in OPTIONAL:

@@ -5,7 +5,7 @@ from types import ModuleType
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from .dependencies import Dependencies, dependencies
-from .interface import GIVEN, Variable, names, variables
+from .interface import GIVEN, ORIGIN, Variable, names, variables
 from .references import all_variables
 from .trace import Trace
 from .units import Worth, si_base
@@ -47,8 +47,16 @@ def boolean(value: object) -> str:
 def head(model: ModuleType, version: str, tool: str, fmi: str, **token: str) -> Element:
     """<fmiModelDescription> of FMI `fmi`, without content; `token` is the attribute that identifies the build."""
     return Element("fmiModelDescription", token, fmiVersion=fmi, modelName=model.NAME,
-                   description=model.DESCRIPTION, version=version, author=AUTHOR, copyright=COPYRIGHT,
-                   license=LICENSE, generationTool=tool, variableNamingConvention="flat")
+                   description=model.DESCRIPTION, **about(model, version), generationTool=tool,
+                   variableNamingConvention="flat")
+
+
+def about(model: ModuleType, version: str) -> dict[str, str]:
+    """What a model says of its origin, as attributes of both versions; of our own the rest is known, with the
+    package's `version`."""
+    said = {name.lower(): getattr(model, name) for name in ORIGIN if hasattr(model, name)}
+    ours = {"version": version, "author": AUTHOR, "copyright": COPYRIGHT, "license": LICENSE}
+    return ours | said if said.get("author") == AUTHOR else said
 
 
 def add_units(root: Element, table: list[Variable], own: Mapping[str, Worth]) -> None:

@@ -9,6 +9,8 @@ A model is a module with
                            Boolean, every other a Real
     UNITS                  optional: name -> (how many, of which unit), units beside those of `fmus.units`
     PRESETS                name -> {parameter: value}
+    AUTHOR, COPYRIGHT,     optional: lines of text for the FMU's description; without them it says nothing of them
+    LICENSE, VERSION
     TERMINALS              optional: name -> names of the inputs and outputs that belong together on a connection
     start(m, u, p) -> x                    initial state, a list of floats, from inputs and parameters
     outputs(m, t, x, u, p) -> {name: value}   every output and calculated parameter of the table
@@ -41,6 +43,7 @@ from .units import DEGREES, si_base
 
 COLUMNS = ("name", "causality", "unit", "start", "min", "max", "nominal", "description")
 CAUSALITIES = ("input", "output", "calculatedParameter", "parameter")
+ORIGIN = ("VERSION", "AUTHOR", "COPYRIGHT", "LICENSE")  # optional parts of a model
 GIVEN = ("input", "parameter")  # these have a start value, the others are computed
 ROUNDING = 1e-9  # of an internal step: 10 ms in steps of 1 ms are 10, not 11
 

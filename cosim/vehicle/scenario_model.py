@@ -7,6 +7,7 @@ from math import pi
 from operator import attrgetter
 
 NAME = "AhvScenario"
+AUTHOR = "the AHV FMU authors"
 DESCRIPTION = "Commands and coefficient scales of a flight: the paper's Case 1, Case 2, hold, or one's own"
 
 EARLY = 1e-9  # s: an edge is not missed by a rounding of the clock

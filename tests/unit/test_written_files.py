@@ -92,8 +92,8 @@ def test_what_depends_on_what(root):
 
 def test_the_head_names_model_flavour_and_experiment(root):
     interface = root.find("CoSimulation")
-    names = ("modelName", "guid", "version", "generationTool")
-    assert [root.get(name) for name in names] == ["Tank", "{guid}", "1.2", "a tool"]
+    names = ("modelName", "guid", "generationTool")
+    assert [root.get(name) for name in names] == ["Tank", "{guid}", "a tool"]
     assert interface.get("modelIdentifier") == "Tank" and interface.get("canGetAndSetFMUstate") == "true"
     assert [file.get("name") for file in interface.findall("SourceFiles/File")] == ["all.c"]
     assert root.find("DefaultExperiment").attrib == {"startTime": "0", "stopTime": "100", "stepSize": "0.01"}
@@ -192,3 +192,16 @@ def test_what_people_read_of_a_variable(model):
     *((name, (a, b)) for name in ("both", "either") for a in (True, False) for b in (True, False))])
 def test_both_backends_agree(name, arguments):
     assert float(getattr(floats, name)(*arguments)) == float(getattr(symbols, name)(*map(symbols.SX, arguments)))
+
+
+def test_a_model_says_itself_whose_it_is():
+    def said(*changes):
+        changed = tank(*changes)
+        root = ET.fromstring(model_description(changed, trace_model(changed), Flavour({}), "g", "1.2", "t"))
+        return [root.get(name) for name in ("author", "copyright", "license", "version")]
+
+    name = 'NAME = "Tank"'
+    assert said() == [None, None, None, None]
+    assert said((name, f'{name}; AUTHOR = "B. Uilder"; VERSION = "7"')) == ["B. Uilder", None, None, "7"]
+    assert said((name, f'{name}; AUTHOR = "the AHV FMU authors"')) == [
+        "the AHV FMU authors", "Copyright 2026 the AHV FMU authors", "BSD-2-Clause", "1.2"]
