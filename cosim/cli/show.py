@@ -43,9 +43,15 @@ def report_rows(rows: dict[str, dict[str, Any]]) -> None:
 
 
 def root(found: dict[str, float]) -> str:
-    """A pole or zero (1/s) as text, which stands for its conjugate, too."""
-    real, imag = (0.0 if abs(found[part]) < 5e-4 else found[part] for part in ("real", "imag"))
-    return f"{real:.3f} +-{imag:.3f}j" if imag else f"{real:.3f}"
+    """A pole or zero (1/s) as text, which stands for its conjugate, too. What rounding leaves of a part shows as 0."""
+    nothing = max(1e-5, 5e-4 * min(1.0, found["omega"]))
+    real, imag = (0.0 if abs(found[part]) < nothing else found[part] for part in ("real", "imag"))
+    return f"{short(real)} +-{short(imag)}j" if imag else short(real)
+
+
+def short(value: float) -> str:
+    """With three decimals, or, of a number that these do not show, three digits."""
+    return f"{value:.3f}" if value == 0 or abs(value) >= 0.01 else f"{value:.3g}"
 
 
 def upper(roots: list[dict[str, float]]) -> list[dict[str, float]]:
