@@ -8,6 +8,7 @@ import typer
 from ..errors import UsageError
 from ..vehicle.closed_loop import choice
 from ..vehicle.registry import MODELS
+from .options import place
 
 
 def build(
@@ -17,8 +18,9 @@ def build(
              "Without any, all that have names.")] = None,
     flavour: Annotated[str, typer.Option(help="python, native or all.")] = "all",
     fmi: Annotated[str, typer.Option(help="Version of FMI: 2, 3 or all. The Python flavour has 2 only.")] = "all",
-    out: Annotated[Path | None, typer.Option(help="Folder that gets FLAVOUR/NAME.fmu and native-fmi3/NAME.fmu, instead "
-                                             "of fmus/dist.", show_default=False)] = None,
+    out: Annotated[Path | None, typer.Option(
+        metavar="DIR", parser=place, show_default=False,
+        help="Folder that gets FLAVOUR/NAME.fmu and native-fmi3/NAME.fmu, instead of fmus/dist.")] = None,
     arm: Annotated[bool, typer.Option("--arm", hidden=True)] = False,  # all FMUs have binaries for Arm by now
     wasm: Annotated[bool, typer.Option("--wasm", help="Also WebAssembly of the native flavour: a module in wasm/, and "
                                        "a component in the FMU of FMI 3.0 (docs/wasm.md).")] = False,

@@ -1,5 +1,7 @@
-"""The mathematics backend on complex numbers, and derivatives by the complex step: f'(x) d = Im f(x + i h d) / h, without
-the rounding of a difference. What compares looks at the real part, as the equations do on floats."""
+"""The mathematics backend on complex numbers, and derivatives by the complex step: f'(x) d = Im f(x + i h d) / h.
+
+There is no rounding of a difference. What compares looks at the real part, as the equations do on floats.
+"""
 import cmath
 import math
 from types import SimpleNamespace

@@ -1,4 +1,4 @@
-"""What an FMU of this project answers to each call, in each state: one table for both flavours and both versions of FMI.
+"""What an FMU of this project answers to each call, in each state, in both flavours and both versions of FMI.
 
 A row is (call, argument, answers of the native flavour, answers of the Python flavour, why they differ). Answers stand
 in the order of STATES: OK, discard, error, fatal; a dash is a call that must not be made. `test_contract.py` makes the

@@ -25,8 +25,8 @@ class Member:
         self.states = [self.name_of_state(unknown.variable) for unknown in self.description.derivatives]
         self.nominal = np.array([float(variables[name].nominal or 1.0) for name in self.states])
         make = FMU3Model if self.fmi3 else FMU2Model
-        self.fmu = make(guid=self.description.guid or self.description.instantiationToken, unzipDirectory=str(self.folder),
-                        modelIdentifier=path.stem, instanceName=path.stem)
+        token = self.description.guid or self.description.instantiationToken
+        self.fmu = make(guid=token, unzipDirectory=str(self.folder), modelIdentifier=path.stem, instanceName=path.stem)
         self.fmu.instantiate()
         self.n = len(self.states)
 

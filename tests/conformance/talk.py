@@ -3,6 +3,7 @@ import ctypes
 import shutil
 from ctypes import byref, c_bool, c_char_p, c_double, c_int, c_size_t, c_uint, c_void_p
 from pathlib import Path
+from types import MappingProxyType
 
 import fmpy
 from contract import STATES
@@ -43,7 +44,7 @@ def of(*names):
 
 class Talk:
     """One instance through FMI 2.0, called raw; `said` has (status, text) of its messages."""
-    TYPES = {"Real": c_double, "Boolean": c_int, "Integer": c_int, "String": c_char_p}
+    TYPES = MappingProxyType({"Real": c_double, "Boolean": c_int, "Integer": c_int, "String": c_char_p})
 
     def __init__(self, file, name="talk", guid=None, kind=CO_SIMULATION):
         self.dll, self.said = file.dll, []
@@ -134,17 +135,19 @@ class Talk:
         return act()
 
 
+# What FMI 3.0 calls otherwise.
+NAMES3 = {"GetFMUstate": "GetFMUState", "SetFMUstate": "SetFMUState", "FreeFMUstate": "FreeFMUState",
+          "SerializedFMUstateSize": "SerializedFMUStateSize", "SerializeFMUstate": "SerializeFMUState",
+          "DeSerializeFMUstate": "DeserializeFMUState", "GetReal": "GetFloat64", "SetReal": "SetFloat64",
+          "GetInteger": "GetInt32", "SetInteger": "SetInt32", "GetRealOutputDerivatives": "GetOutputDerivatives",
+          "GetDerivatives": "GetContinuousStateDerivatives", "NewDiscreteStates": "UpdateDiscreteStates"}
 
 
 class Talk3(Talk):
     """The same through FMI 3.0: calls are named as in FMI 2.0, and take the same arguments."""
-    TYPES = {"Real": c_double, "Boolean": c_bool, "Integer": c_int, "String": c_char_p}
-    NAMES = {"GetFMUstate": "GetFMUState", "SetFMUstate": "SetFMUState", "FreeFMUstate": "FreeFMUState",
-             "SerializedFMUstateSize": "SerializedFMUStateSize", "SerializeFMUstate": "SerializeFMUState",
-             "DeSerializeFMUstate": "DeserializeFMUState", "GetReal": "GetFloat64", "SetReal": "SetFloat64",
-             "GetInteger": "GetInt32", "SetInteger": "SetInt32", "GetRealOutputDerivatives": "GetOutputDerivatives",
-             "GetDerivatives": "GetContinuousStateDerivatives", "NewDiscreteStates": "UpdateDiscreteStates"}
-    COUNTED = {f"{verb}{kind}" for verb in ("Get", "Set") for kind in ("Float64", "Boolean", "Int32", "String")}
+    TYPES = MappingProxyType({"Real": c_double, "Boolean": c_bool, "Integer": c_int, "String": c_char_p})
+    COUNTED = frozenset(f"{verb}{kind}" for kind in ("Float64", "Boolean", "Int32", "String")
+                        for verb in ("Get", "Set"))
 
     def __init__(self, file, name="talk", guid=None, kind=CO_SIMULATION):
         self.dll, self.said, self.time = file.dll, [], 0.0
@@ -159,7 +162,7 @@ class Talk3(Talk):
         self.said.append((ANSWERS[status], text.decode()))
 
     def call(self, name, *arguments):
-        name = self.NAMES.get(name, name)
+        name = NAMES3.get(name, name)
         if name == "EnterInitializationMode" and not arguments:
             return self.enter()
         if name in self.COUNTED:  # the number of values, which is that of the references

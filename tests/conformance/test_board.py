@@ -23,6 +23,12 @@ def test_a_board_gives_the_hosts_outputs(native_fmus, law, tmp_path):
     assert [flown.flash, flown.ram, flown.arena, flown.stack] == said, "the page is old: run benchmarks/board.py"
 
 
+def test_the_page_has_the_flags():
+    said = board.PAGE.read_text().split()
+    kept_quiet = {"-Wall", "-Wextra", "-s", "-Wl,--print-map"}
+    assert {*board.FLAGS, board.ONE_DOOR, *board.LINK} - kept_quiet <= set(said)
+
+
 def test_the_replay_notices_a_wrong_output(native_fmus, tmp_path, monkeypatch):
     recorded = board.flight
 

@@ -26,8 +26,9 @@ CALLS = {
     "fmi2CancelStep": "", "fmi2EnterEventMode": "", "fmi2NewDiscreteStates": "p", "fmi2EnterContinuousTimeMode": "",
     "fmi2CompletedIntegratorStep": "ipp", "fmi2SetTime": "d", "fmi2SetContinuousStates": "pn",
     **dict.fromkeys(["fmi2GetDerivatives", "fmi2GetEventIndicators", "fmi2GetContinuousStates",
-                     "fmi2GetNominalsOfContinuousStates"], "pn"), **dict.fromkeys(["fmi2GetStatus", "fmi2GetRealStatus", "fmi2GetIntegerStatus",
-                                           "fmi2GetBooleanStatus", "fmi2GetStringStatus"], "ip"),
+                     "fmi2GetNominalsOfContinuousStates"], "pn"),
+    **dict.fromkeys(["fmi2GetStatus", "fmi2GetRealStatus", "fmi2GetIntegerStatus", "fmi2GetBooleanStatus",
+                     "fmi2GetStringStatus"], "ip"),
 }
 TYPES = {"p": c_void_p, "n": c_size_t, "d": c_double, "i": c_int}
 NOTHING = {"p": None, "n": 0, "d": 0.0, "i": 0}
@@ -190,7 +191,8 @@ def test_an_instance_needs_a_name_its_kind_its_guid_and_memory(raw):
     callbacks, guid = raw.member.callbacks, raw.member.description.guid.encode()
     for text, arguments in {
             "needs a name": {"name": None}, "an instance of AhvPlant needs": {"name": b""},
-            "is for model exchange or co-simulation, not type 2": {"kind": 2}, "the GUID NULL is not": {"guid": None}}.items():
+            "is for model exchange or co-simulation, not type 2": {"kind": 2},
+            "the GUID NULL is not": {"guid": None}}.items():
         assert instantiated(raw, **{"guid": guid, "callbacks": callbacks, **arguments}) is None
         assert raw.member.said[0][0] == ERROR and text in raw.member.said[0][2] and len(raw.member.said) == 1
     for missing in ("allocateMemory", "freeMemory"):

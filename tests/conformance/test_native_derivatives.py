@@ -42,10 +42,7 @@ class Model:
     def along(self, x, u, du, dx=(), dp=None):
         """What the outputs and the rates change by, in the order of `shown` and `rates`."""
         u, p = m.stepped(u, du), m.stepped(self.p, dp or {})
-        if x is None:
-            x = self.model.start(m, u, p)
-        else:
-            x = m.stepped(x, [*dx, *[0.0] * (len(x) - len(dx))])
+        x = m.stepped(x, [*dx, *[0.0] * (len(x) - len(dx))]) if x else self.model.start(m, u, p)
         y = self.model.outputs(m, 0.0, x, u, p)
         return np.array([m.derivative(value) for value in (*(y[name] for name in self.shown),
                                                            *self.model.derivative(m, 0.0, x, u, p))])

@@ -143,8 +143,8 @@ def test_each_call_in_each_state(fmu, call, argument, state, expected):
 def test_an_instance_for_co_simulation_refuses_them(file, call, state):
     fmu = Exchanging(file, CO_SIMULATION)
     fmu.talk.bring_to(state)
-    act = {"SetTime": lambda: fmu.time(1.0), "NewDiscreteStates": fmu.discrete, "CompletedIntegratorStep": fmu.completed,
-           "SetContinuousStates": lambda: fmu.put([0.0] * N)}.get(call)
+    act = {"SetTime": lambda: fmu.time(1.0), "NewDiscreteStates": fmu.discrete,
+           "CompletedIntegratorStep": fmu.completed, "SetContinuousStates": lambda: fmu.put([0.0] * N)}.get(call)
     answer = act() if act else fmu.ask(call) if call.startswith("Get") else fmu.call(call)
     assert (answer, "for co-simulation, not for model exchange" in fmu.said[-1][1]) == ("error", True), fmu.said
     fmu.free()

@@ -134,7 +134,7 @@ def test_fuzzed_calls_are_refused_and_change_nothing(members, folder, model, cal
 @pytest.mark.parametrize("version", [2, 3])
 @pytest.mark.parametrize("model", LOOP)
 def test_the_memory_of_10000_instances_is_their_blocks(members, folder, model, version):
-    """One block each: what the importer's state buffer holds, twice the states and outputs, and the allocator's rest."""
+    """One block each: what the importer's state buffer holds, states and outputs once more, the allocator's rest."""
     member = members[LOOP.index(model)]
     sources, program = member.folder / "sources", folder / f"many_{model}"
     if not program.exists():

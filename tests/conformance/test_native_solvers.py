@@ -1,4 +1,4 @@
-"""Model exchange integrated by a solver of others, fmpy's CVode, against scipy's DOP853 on the models' own equations."""
+"""Model exchange integrated by fmpy's CVode, against scipy's DOP853 on the models' own equations."""
 import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException

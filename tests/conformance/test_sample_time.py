@@ -4,6 +4,7 @@ import math
 import pytest
 import sampled_model
 from native_loop import Loaded
+from one_platform import one_platform
 
 from cosim.conformance import check
 from fmus.builder import build
@@ -13,7 +14,8 @@ SHOWN = ("seen", "runs", "at")
 
 @pytest.fixture(scope="module", params=["native", "python"])
 def path(request, tmp_path_factory):
-    return build(sampled_model, request.param, tmp_path_factory.mktemp("sampled"))
+    with one_platform():
+        return build(sampled_model, request.param, tmp_path_factory.mktemp("sampled"))
 
 
 @pytest.fixture(scope="module")

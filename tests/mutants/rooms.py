@@ -30,7 +30,6 @@ ROOMS: dict[str, list[tuple[str, list[str] | None]]] = {
         ("fmus/experiments.py", ["conformance/test_experiments"]),
         ("fmus/release.py", ["system/test_release"]),
         ("fmus/check_model.py", ["unit/test_model_mistakes conformance/test_anybodys_model"]),
-        ("fmus/linear*.py", ["unit/test_linearize unit/test_trim", "system/test_linearize_files"]),
         ("fmus/[rs]*.py", ["unit/test_slave unit/test_models", "conformance/test_contract"]),
         ("fmus/native_compiler.py", ["platforms conformance/test_native_files -k not page"]),
         ("fmus/*.py", ["unit/test_written_files unit/test_pack unit/test_units unit/test_models",

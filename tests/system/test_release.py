@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 from places import ROOT
 
+from cosim.master import compile_loop
 from cosim.vehicle.registry import MODELS
 from fmus import release
 
@@ -32,6 +33,7 @@ dispersions:
 def folder(native_fmus, native_fmi3_fmus, tmp_path_factory) -> Path:
     """A release folder."""
     target = tmp_path_factory.mktemp("release")
+    compile_loop.everywhere()
     subprocess.run([sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", target], cwd=ROOT, check=True,
                    capture_output=True)
     release.write(target)
@@ -44,13 +46,15 @@ def wheel(folder) -> Path:
     return found
 
 
-def test_the_wheel_is_for_any_platform_and_carries_the_native_fmus(wheel, native_fmus, native_fmi3_fmus):
+def test_the_wheel_is_for_any_platform_and_carries_what_is_compiled(wheel, native_fmus, native_fmi3_fmus):
     assert wheel.name.endswith("-py3-none-any.whl")
     with zipfile.ZipFile(wheel) as archive:
         carried = {name: archive.read(name) for name in archive.namelist() if name.endswith(".fmu")}
+        loops = {name for name in archive.namelist() if name.startswith("cosim/master/built/")}
         needed = archive.read(next(n for n in archive.namelist() if n.endswith("/METADATA"))).decode()
     assert carried == {f"fmus/dist/{place}/{name}.fmu": path.read_bytes() for place, fmus in
                        (("native", native_fmus), ("native-fmi3", native_fmi3_fmus)) for name, path in fmus.items()}
+    assert loops == {f"cosim/master/built/{compile_loop.name(platform)}" for platform in compile_loop.PLATFORMS}
     assert re.search(r"^Requires-Dist: platformdirs", needed, re.MULTILINE)
     assert not re.search(r"^Requires-Dist: ziglang(?!.*extra)", needed, re.MULTILINE)
 
@@ -111,9 +115,11 @@ def run(place: Path, program: str, *words, status: int = 0) -> subprocess.Comple
 @pytest.mark.slow
 def test_the_wheel_flies_checks_and_runs_campaigns_without_a_compiler(fresh, folder):
     ahv = partial(run, fresh, "ahv")
-    carried, checkout, compiler = run(fresh, "python", "-c", "import fmus.places as p, importlib.util as u; "
-                                      "print(p.CARRIED, p.CHECKOUT, u.find_spec('ziglang'))").stdout.split()
+    carried, checkout, compiler, loop = run(
+        fresh, "python", "-c", "import fmus.places as p, importlib.util as u, cosim.master.compile_loop as c; "
+                               "print(p.CARRIED, p.CHECKOUT, u.find_spec('ziglang'), c.library())").stdout.split()
     assert carried.startswith(str(fresh)) and (checkout, compiler) == ("False", "None")
+    assert loop.startswith(str(fresh / "env"))
 
     for flavour in ("native", "native-fmi3"):
         found = json.loads(ahv("run", "case1", "--flavour", flavour, "--json").stdout)

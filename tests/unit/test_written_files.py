@@ -154,9 +154,9 @@ def test_the_table_in_c(model, trace):
     assert "enum { NV = 11, NX = 1, NU = 2, NP = 4, NY = 4, NC = 1, NS = 0 };" in lines
     assert "#define INTERNAL_STEP(p) ((p)[3])" in lines
     rows = [line.strip() for line in lines if line.startswith("    {")]
-    assert rows[1] == '{"open", INPUT, 1, 1, -1, 1.0, -DBL_MAX, DBL_MAX, "", 1.0},'
-    assert rows[3] == f'{{"angle", OUTPUT, 0, 1, -1, 0.0, -1.0, 1.0, " deg", {180 / pi!r}}},'
-    assert rows[7] == f'{{"tilt", PARAMETER, 0, 1, -1, 0.5, -DBL_MAX, 1.5, " deg", {180 / pi!r}}},'
+    assert rows[1] == '{"open", INPUT, 1, 1, 1, -1, 1.0, -DBL_MAX, DBL_MAX, "", 1.0},'
+    assert rows[3] == f'{{"angle", OUTPUT, 0, 0, 1, -1, 0.0, -1.0, 1.0, " deg", {180 / pi!r}}},'
+    assert rows[7] == f'{{"tilt", PARAMETER, 0, 0, 1, -1, 0.5, -DBL_MAX, 1.5, " deg", {180 / pi!r}}},'
     assert "static const unsigned INPUTS[] = {0, 1};" in lines
     assert "static const unsigned COMPUTED[] = {2, 3, 4, 5};" in lines
     assert "static const double Y_MINIMUM[] = {0.0, -1.0, -DBL_MAX, -DBL_MAX};" in lines
