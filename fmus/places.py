@@ -5,7 +5,8 @@ from pathlib import Path
 from platformdirs import user_cache_path
 
 CARRIED = Path(__file__).parent / "dist"  # in a wheel: its FMUs, never written to
-CHECKOUT = (Path(__file__).parents[1] / "pyproject.toml").is_file()
+# Not pyproject.toml, which some packages install beside themselves.
+CHECKOUT = (Path(__file__).parents[1] / "requirements" / "flying.txt").is_file()
 
 
 def written() -> Path:

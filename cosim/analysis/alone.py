@@ -1,4 +1,6 @@
 """One FMU with model exchange, linearised where it starts, where it is after a while, or at given values."""
+import os
+import sys
 from collections.abc import Iterable
 from math import isfinite, nan
 from pathlib import Path
@@ -16,6 +18,7 @@ from .equations import Found, Point, linearised, rate_variables, state_variables
 from .statespace import poles, roots, zeros_of_all
 
 TOLERANCE = 1e-12  # relative, of the flight to the point
+QUIET = "SUNLOGGER_ERROR_FILENAME", "SUNLOGGER_WARNING_FILENAME"  # where the solver writes what it raises as well
 ROWS = 1000        # of that flight; FMPy's solver takes at most 500 steps to each
 SAME = 1e-4        # relative: rates at the point that are those of the flight's end
 
@@ -86,13 +89,22 @@ def flown(file: FmuFile, values: dict[str, Value], states: dict[str, float], tim
     if arrays:
         raise UsageError(f"Elements of the array {arrays.pop()} cannot be set here for a flight to --time {time:g} s.")
     shown = list(dict.fromkeys(file.variables[n].array or n for n in (*names, *(v.name for v in rates))))
+    messages: list[str] = []
+
+    def hear(*words: Any) -> None:
+        messages.append(words[-1].decode("utf-8", "replace"))
+
+    os.environ.update(dict.fromkeys(QUIET, os.devnull))
+    usual, sys.unraisablehook = sys.unraisablehook, lambda _: None  # a refused call is raised in the solver's callback
     try:
         rows = fmpy.simulate_fmu(str(file.folder), fmi_type="ModelExchange", start_time=0.0, stop_time=time,
                                  relative_tolerance=TOLERANCE, output_interval=time / ROWS, output=shown,
-                                 start_values={**values, **states}, logger=lambda *_: None)
+                                 start_values={**values, **states}, logger=hear)
     except Exception as error:  # FMPy raises many kinds
-        raise RunError(f"{file.path} cannot be flown to t = {time:g} s: {error}") from None
+        said = messages[-1] if messages else str(error).rpartition(".c: ")[2]  # without a place in the solver's source
+        raise RunError(f"{file.path} cannot be flown to t = {time:g} s: {said.strip().rstrip('.')}.") from None
     finally:
+        sys.unraisablehook = usual
         take_messages()
     if not len(rows) or not np.isclose(rows[-1]["time"], time):
         raise RunError(f"{file.path} ends before t = {time:g} s.")

@@ -63,6 +63,7 @@ def local(folder: Path, workers: int | None, dashboard: bool) -> Iterator[Client
     options: dict[str, Any] = {"distributed.scheduler.allowed-failures": 1, "temporary-directory": str(folder)}
     if not dashboard:
         options |= {f"distributed.{who}.http.routes": [] for who in ("scheduler", "worker")}
+        options["distributed.worker.profile.enabled"] = False  # what only a dashboard shows
     others = set(multiprocessing.active_children())
     with dask.config.set(options):
         with ThreadPoolExecutor(1) as apart:  # an interrupt in the middle would leave what neither runs nor ends

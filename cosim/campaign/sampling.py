@@ -63,9 +63,7 @@ def quantile(d: Scalar, u: float) -> Value:
         low, high = -math.inf if d.low is None else d.low, math.inf if d.high is None else d.high
         if u in (0.0, 1.0):
             return high if u else low
-        from scipy.stats import truncnorm  # accurate in both tails, however far out; slow to import
-
-        found = float(truncnorm.ppf(u, (low - d.mean) / d.std, (high - d.mean) / d.std, d.mean, d.std))
+        found = truncated(u, (low - d.mean) / d.std, (high - d.mean) / d.std) * d.std + d.mean
         return min(max(found, low), high)
     if isinstance(d, LogNormal):
         return d.median * math.exp(d.sigma * normal(u))
@@ -78,6 +76,25 @@ def normal(u: float) -> float:
     from scipy.special import ndtri
 
     return float(ndtri(u))
+
+
+def truncated(u: float, low: float, high: float) -> float:
+    """The value of the standard normal distribution between `low` and `high` at the probability `u`, accurate in both
+    tails, however far out.
+
+    It is scipy.stats.truncnorm.ppf to the last bit; scipy.stats takes each worker more than half a second to import.
+    """
+    from scipy.special import log1p, log_ndtr, logsumexp, ndtr, ndtri_exp
+
+    right = low >= 0  # there all is mirrored: probabilities close to 1 have no digits
+    if low <= 0 < high:
+        mass = log1p(-ndtr(low) - ndtr(-high))
+    else:
+        more, less = (high, low) if high <= 0 else (-low, -high)
+        mass = logsumexp([log_ndtr(more), log_ndtr(less) + np.pi * 1j]).real
+    beyond, share = (log_ndtr(-high), np.log1p(-u)) if right else (log_ndtr(low), np.log(u))
+    found = float(ndtri_exp(logsumexp([beyond, share + mass])))
+    return -found if right else found
 
 
 def stream(seed: int, k: int, which: int) -> np.random.Generator:
@@ -126,9 +143,13 @@ class Sampler:
     @cached_property
     def hypercube(self) -> np.ndarray:
         """All runs' points of a Latin hypercube, which comes as a whole only; shape (runs, dimensions)."""
-        from scipy.stats import qmc
-
-        return qmc.LatinHypercube(self.dimensions, rng=np.random.default_rng(self.seed)).random(self.runs)
+        random = np.random.default_rng(self.seed).spawn(1)[0]  # as scipy.stats.qmc does, whose import takes a while
+        places = random.uniform(size=(self.runs, self.dimensions))
+        strata = np.tile(np.arange(1, self.runs + 1), (self.dimensions, 1))
+        for row in strata:
+            random.shuffle(row)
+        found: np.ndarray = (strata.T - places) / self.runs
+        return found
 
     def sobol(self, first: int, last: int) -> np.ndarray:
         """A part of the scrambled sequence; shape (last - first, dimensions)."""

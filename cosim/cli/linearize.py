@@ -5,7 +5,6 @@ from typing import Annotated, Any
 
 import typer
 
-from ..analysis.save import save
 from ..errors import UsageError
 from ..vehicle.closed_loop import assignments
 from .ending import ended_in_any_case
@@ -44,6 +43,8 @@ def linearize(
         refuse(context, OF_THE_LOOP, f"{file.name} is linearised alone")
     else:
         refuse(context, ("time",), "it belongs to FILE.fmu, and none is given")
+    from ..analysis.save import save  # scipy is slow to import
+
     with save(out) as keep, ended_in_any_case():
         keep(found := alone(file, set_, time) if file else loop(controller, preset, plant, V, h, scale, step, set_, of))
     if as_json:

@@ -70,7 +70,8 @@ class FmuInfo:
 
     def facts(self) -> list[tuple[str, str]]:
         """Label and text of everything that is declared beside the variables."""
-        texts = (("description", self.description), ("FMI", f"{self.fmi_version}, {' and '.join(self.kinds)}"),
+        texts = (("description", self.description), ("file", str(self.path)),
+                 ("FMI", f"{self.fmi_version}, {' and '.join(self.kinds)}"),
                  ("version", self.version), ("author", self.author), ("copyright", self.copyright),
                  ("license", self.license), ("made by", f"{self.generation_tool} {self.generated_at}".strip()),
                  ("platforms", ", ".join(self.platforms)),

@@ -5,7 +5,7 @@ from typing import Any
 from ..errors import UsageError
 from ..master.notes import note
 from . import scenarios
-from .closed_loop import LINKS, Values, closed_loop, merged
+from .closed_loop import LINKS, Values, closed_loop, merged, no_component
 from .registry import PLANTS
 from .scenarios import GROUPS
 
@@ -60,8 +60,11 @@ def check(scale: float, step: float, values: Values, of: str) -> None:
     """Raise UsageError for a number, a value or a word that is not allowed."""
     if of not in PARTS:
         raise UsageError(f"--of {of} is not known; there are {', '.join(PARTS)}.")
-    if not SHORTEST_STEP <= step <= LONGEST_STEP:
-        raise UsageError(f"--step {step:g} is not allowed: it must be from {SHORTEST_STEP:g} to {LONGEST_STEP:g} s.")
+    if not 0 < step <= LONGEST_STEP:
+        raise UsageError(f"--step {step:g} is not allowed: it must be above 0 and at most {LONGEST_STEP:g} s.")
+    if step < SHORTEST_STEP:
+        raise UsageError(f"--step {step:g} is not allowed: the FMU files are flown, in steps of at least "
+                         f"{SHORTEST_STEP:g} s.")
     if not 0 < scale < float("inf"):
         raise UsageError(f"--scale {scale:g} is not allowed: it must be a positive number.")
     for component, name in ((c, n) for c, pairs in values.items() for n in pairs):
@@ -69,3 +72,8 @@ def check(scale: float, step: float, values: Values, of: str) -> None:
             raise UsageError(f"{component}.{name} cannot be set here: {OPTIONS[f'{component}.{name}']} gives it.")
         if component == "scenario":
             raise UsageError(f"scenario.{name} cannot be set here: the flight is level, at --V and --h.")
+        if component not in ("controller", "plant"):
+            raise UsageError(no_component(component, ("controller", "plant")))
+        for source, target, connected in LINKS:
+            if (target, connected) == (component, name):
+                raise UsageError(f"{component}.{name} cannot be set here: {source}.{connected} gives it.")

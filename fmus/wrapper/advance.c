@@ -58,7 +58,7 @@ static Status initialise(Instance *instance)
     State *s = &instance->state;
     char reason[SENTENCE], low[32], high[32];
     const Variable *suspect;
-    double *x = instance->next_x[0], *y = instance->next_y;
+    double *x = instance->next_x[0], *y = instance->next_y, k[LENGTH(NK)];
     if ((suspect = first_unwired(reason, s)))
         return refuse(instance, ERROR,
                       MODEL_NAME " cannot start: %s It starts with %s from %s to %s%s, set before initialisation ends",
@@ -66,11 +66,12 @@ static Status initialise(Instance *instance)
                       number(low, suspect->minimum == -DBL_MAX ? -INFINITY : suspect->minimum * suspect->shown),
                       number(high, suspect->maximum == DBL_MAX ? INFINITY : suspect->maximum * suspect->shown),
                       suspect->unit);
-    model_constants((const double *[]){s->p}, (double *[]){s->k});
+    model_constants((const double *[]){s->p}, (double *[]){k});
     model_start((const double *[]){s->u, s->p}, (double *[]){x});
-    model_outputs((const double *[]){&s->time, x, s->u, s->p, s->k}, (double *[]){y});
+    model_outputs((const double *[]){&s->time, x, s->u, s->p, k}, (double *[]){y});
     if (not_acceptable(reason, x, y))
         return refuse(instance, ERROR, MODEL_NAME " cannot start: %s", reason);
+    memcpy(s->k, k, sizeof k);
     take(s, x, y, s->time);
     s->stale = 0;
     return OK;

@@ -141,7 +141,7 @@ def test_the_memory_of_10000_instances_is_their_blocks(members, folder, model, v
         cc(*STRICT, f"-I{sources}", "-o", program, HOSTS / "many.c", sources / "all.c", "-lm")
     before, after = map(int, run(program, version, 10_000).split())
     print(f"{model}, FMI {version}: {(after - before) / 10_000:.2f} KB each, {after / 1024:.1f} MB in all")
-    assert after - before < 10_000 * 2.5
+    assert after - before < 10_000 * 4
 
 
 def test_one_step_of_controller_and_plant_takes_microseconds(members, loop):

@@ -39,7 +39,10 @@ def test_case_1_in_node(native_fmus, law, tmp_path):
     case = wasm_host.case1(tmp_path, law, 100)
     (tmp_path / "system.json").write_text(json.dumps(case.system))
     rows = [json.loads(line) for line in run("node", EXAMPLES / "fly.mjs", tmp_path / "system.json").splitlines()]
-    assert len(rows) == 10001 and case.difference(rows) < 1e-9
+    # The backstepping law's loop makes 2e-9 of the pitching moment's nominal value from any last bit, native too.
+    limit = 2 * case.rounding(law) if law == "backstepping" else 1e-9
+    assert limit < 1e-8
+    assert len(rows) == 10001 and case.difference(rows) < limit
 
 
 @pytest.mark.skipif(not shutil.which("node"), reason="no node: apt-get install nodejs")

@@ -82,7 +82,7 @@ def test_a_trim_at_the_limits_is_allowed_and_just_beyond_is_not():
     ({"preset": "printd"}, "has no preset printd; it has calibrated"),
     ({"values": {"plant": {"mass": "-1"}}}, "plant.mass = -1 is not allowed: it must be between 0.3 and 300000"),
     ({"values": {"plant": {"mas": 300.0}}}, "has no variable mas; did you mean mass?"),
-    ({"values": {"plant": {"elevator": 0.1}}}, "AhvPlant has no parameter elevator."),
+    ({"values": {"plant": {"elevator": 0.1}}}, "plant.elevator cannot be set here: controller.elevator gives it."),
     ({"values": {"plnt": {"mass": 300.0}}}, "There is no component plnt; there are controller, plant."),
     ({"values": {"controller": {"k_gamma": nan}}}, "controller.k_gamma = nan is not allowed"),
     ({"values": {"plant": {"V_start": 8000.0}}}, "plant.V_start cannot be set here: --V gives it."),

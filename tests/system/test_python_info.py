@@ -65,7 +65,8 @@ def safe(shown):
 
 def test_info_is_what_the_fmu_declares(native_fmus):
     about = cosim.info(str(native_fmus["AhvPlant"]))
-    assert (about.name, about.fmi_version, about.kinds) == ("AhvPlant", "2.0", ("co-simulation",))
+    assert (about.name, about.fmi_version, about.kinds) == (
+        "AhvPlant", "2.0", ("co-simulation", "model exchange"))
     assert "linux64" in about.platforms and about.presets == ("decoupled", "estimated-coupling",
                                                               "estimated-coupling-energy")
     assert about.default_experiment == {"start": 0, "stop": 100, "step": 0.01}
@@ -83,6 +84,7 @@ def test_info_as_text_has_one_line_for_each_variable(native_fmus):
     for v in about.variables:
         line, = (line for line in lines if line.split()[:1] == [v.name])
         assert v.unit in line and line.endswith(v.description)
+    assert f"  file: {native_fmus['AhvPlant']}" in lines
     assert lines[0] == "AhvPlant" and any(line.startswith("parameter (") for line in lines)
     assert safe(about)[0] == "AhvPlant" and "pitch angle" in safe(about)
 

@@ -159,7 +159,7 @@ int main(int argc, char **argv)
         unsigned slot = pick(INSTANCES);
         if (!instances[slot] || pick(3000) == 0) {
             fmi2FreeInstance(instances[slot]);
-            instances[slot] = fmi2Instantiate("fuzzed", argc > 3 && pick(2) ? fmi2ModelExchange : fmi2CoSimulation, FMU_GUID,
+            instances[slot] = fmi2Instantiate("fuzzed", continuous && pick(2) ? fmi2ModelExchange : fmi2CoSimulation, FMU_GUID,
                                               NULL, &callbacks, fmi2False, fmi2False);
             check(instances[slot] != NULL, "not instantiated");
             check(!fmi2Instantiate(text(), (fmi2Type)pick(3), "{wrong}", text(), pick(2) ? &callbacks : NULL, 0, 0), "GUID");
