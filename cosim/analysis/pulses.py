@@ -131,7 +131,11 @@ class Alone:
             self.kept.close()
 
     def load(self) -> Master:
-        """The system, loaded and flown to its equilibrium."""
+        """The system, loaded and flown to its equilibrium. What a pulse has ended with Fatal is unpacked anew: of those
+        files no function may be called any more."""
+        for name, file in self.rest.files.items():
+            if file.corrupted:
+                self.rest.files[name] = FmuFile.open(file.path)
         master = Master(self.rest.system, self.rest.files)
         try:
             master.initialise(0.0, self.rest.stop)
