@@ -28,6 +28,7 @@ OTHERS: dict[str, Worth] = {
     "slug": (14.593902937206365, "kg"), "lb": (0.45359237, "kg"), "lbf": (1, "slug.ft/s^2"), "psi": (1, "lbf/inch^2"),
     "atm": (101325, "Pa"), "hp": (550, "ft.lbf/s"),
 }
+FROM_ELSEWHERE = ("degC", "degF", "Celsius", "Fahrenheit")  # a unit here is a factor
 SYMBOLS = [*BASE_UNITS, *METRIC, *OTHERS]
 PREFIXES = {"f": 1e-15, "p": 1e-12, "n": 1e-9, "u": 1e-6, "m": 1e-3, "c": 1e-2, "d": 1e-1, "h": 1e2, "k": 1e3, "M": 1e6,
             "G": 1e9, "T": 1e12}
@@ -59,6 +60,8 @@ def power(piece: str, own: Mapping[str, Worth]) -> tuple[float, dict[str, int]]:
     n = int(found[2] or 1) if found else 1
     if found and found[1] in BASE_UNITS:
         return 1.0, {found[1]: n}
+    if found and found[1] in FROM_ELSEWHERE:
+        raise ValueError(f"{piece!r} has its zero elsewhere than K; give temperatures in K")
     worth = (own.get(found[1]) or WORTH.get(found[1])) if found else None
     if not found or worth is None:
         raise ValueError(f"{piece!r} is not known; {RULE}")

@@ -72,3 +72,8 @@ def test_the_unit_of_a_rate_is_the_units_per_second(unit, rate):
     (size, base), (rate_size, rate_base) = si_base(unit), si_base(rate)
     assert rate_size == pytest.approx(size, rel=1e-15)
     assert {**rate_base, "s": rate_base.get("s", 0) + 1} == {**base, "s": base.get("s", 0)}
+
+
+def test_a_temperature_with_a_zero_elsewhere_is_refused():
+    with pytest.raises(ValueError, match="'degC' has its zero elsewhere than K; give temperatures in K"):
+        si_base("W/degC")
