@@ -61,7 +61,7 @@ def power(piece: str, own: Mapping[str, Worth]) -> tuple[float, dict[str, int]]:
     if found and found[1] in BASE_UNITS:
         return 1.0, {found[1]: n}
     if found and found[1] in FROM_ELSEWHERE:
-        raise ValueError(f"{piece!r} has its zero elsewhere than K; give temperatures in K")
+        raise ValueError(f"{piece!r} is not known, for its zero is not that of K; give temperatures in K")
     worth = (own.get(found[1]) or WORTH.get(found[1])) if found else None
     if not found or worth is None:
         raise ValueError(f"{piece!r} is not known; {RULE}")

@@ -75,5 +75,5 @@ def test_the_unit_of_a_rate_is_the_units_per_second(unit, rate):
 
 
 def test_a_temperature_with_a_zero_elsewhere_is_refused():
-    with pytest.raises(ValueError, match="'degC' has its zero elsewhere than K; give temperatures in K"):
+    with pytest.raises(ValueError, match="'degC' is not known, for its zero is not that of K; give temperatures in K"):
         si_base("W/degC")
