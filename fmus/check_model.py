@@ -71,6 +71,8 @@ def check_parts(model: ModuleType) -> None:
         raise ModelError(model, f"NAME {model.NAME!r} is not allowed; Windows has no files of that name")
     if not line_of_text(model.DESCRIPTION):
         raise ModelError(model, "DESCRIPTION must be one line, without control characters")
+    if not model.VARIABLES:
+        raise ModelError(model, "VARIABLES is empty; an FMU has at least one variable", file_place(model))
     for part in ORIGIN:
         if not line_of_text(getattr(model, part, "")):
             raise ModelError(model, f"{part} must be one line of text, without control characters")

@@ -89,6 +89,8 @@ MISTAKES = {
         "ORDER [2] is not allowed; the methods have the orders 1, 2, 4, 6"),
     "a state among the variables": ("VARIABLES = [", f"VARIABLES = [{STATE}, ", "speed: causality 'local' is none of "
         "input, output, calculatedParameter, parameter; a state that is no output is a row of STATES"),
+    "no variables": ("PRESETS = {}", "PRESETS = {}; VARIABLES = []",
+        "VARIABLES is empty; an FMU has at least one variable (spring.py)"),
     "a state that is overwritten": ("return [x[1], u.force", "x[1] = 0.0; return [x[1], u.force",
         "derivative() changes its arguments; it must leave x, u and p as they are, and return what is new"),
     "an input that is overwritten": ("return [x[1], u.force", "u.force = 0.0; return [x[1], u.force",
