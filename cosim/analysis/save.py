@@ -44,7 +44,7 @@ def fields(found: dict[str, Any]) -> dict[str, Any]:
     result: dict[str, Any] = {}
     for key, value in found.items():
         name = "".join(c if c.isascii() and c.isalnum() else "_" for c in key)
-        name = (name if name[:1].isalpha() else f"x{name}")[:2 * LONGEST_NAME]
+        name = unused((name if name[:1].isalpha() else f"x{name}")[:2 * LONGEST_NAME], result)
         if isinstance(value, dict):
             result[name] = fields(value)
         elif isinstance(value, list) and all(isinstance(one, dict) for one in value):
@@ -54,3 +54,12 @@ def fields(found: dict[str, Any]) -> dict[str, Any]:
         elif value is not None:
             result[name] = np.array(value) if isinstance(value, list) else value
     return result
+
+
+def unused(name: str, taken: dict[str, Any]) -> str:
+    """`name`, or with a number at its end if something of that name is taken, such as b.c after b_c."""
+    found, n = name, 1
+    while found in taken:
+        n += 1
+        found = f"{name[:2 * LONGEST_NAME - len(str(n)) - 1]}_{n}"
+    return found
