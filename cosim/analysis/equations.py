@@ -143,10 +143,11 @@ class Equations:
             places = [ADDRESS(a.ctypes.data) for a in (unknowns, known, seed, found)]
             counts = [SIZE(len(a)) for a in (unknowns, known, seed, found)]
             sizes = counts if self.file.description.flat else [*counts[:2], None, None]
-            self.call("GetDirectionalDerivative",
-                      *(part for pair in zip(places, sizes) for part in pair if part is not None))
+            if height:  # of no unknowns some FMUs answer that they have no memory for them
+                self.call("GetDirectionalDerivative",
+                          *(part for pair in zip(places, sizes) for part in pair if part is not None))
             columns.append(found[rows])
-        J = np.array(columns).reshape(-1, len(rows)).T
+        J = np.array(columns).reshape(len(columns), len(rows)).T
         state_at = {v.reference: i for i, v in enumerate(self.states) if not v.array}
         for row, name in enumerate(outputs, len(self.states)):  # a state that is an output: some answer 0 to that
             if of[name].reference in state_at:
@@ -175,7 +176,7 @@ class Equations:
                                f"another slope on either side.")
             columns.append(slopes)
         answer(start)
-        return np.array(columns).reshape(-1, n + len(outputs)).T
+        return np.array(columns).reshape(len(columns), n + len(outputs)).T
 
 
 def slopes_along(answer: Callable[[Array], Array], start: Array, unit: Array) -> tuple[Array, Array]:
