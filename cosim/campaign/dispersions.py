@@ -92,7 +92,7 @@ def ends(one: Draw) -> list[Value]:
         found = one.extremes()
         if one.period and not all(isinstance(x, float) and 0 < x < math.inf for x in found):
             raise UsageError("a period must be above 0.")
-        drawn = found if one.bounded else [*found, one.value(EDGE), one.value(1 - EDGE)]
+        drawn = [*found, one.value(EDGE), one.value(1 - EDGE)]
     except (ZeroDivisionError, ValueError):
         raise UsageError("a period must be above 0.") from None
     except OverflowError:

@@ -35,12 +35,6 @@ class Draw:
             found = self.factor * float(found)
         return 2 * math.pi / float(found) if self.period else found
 
-    @property
-    def bounded(self) -> bool:
-        """Whether the extremes are the ends of all that can be drawn."""
-        d = self.distribution
-        return isinstance(d, Uniform | Integer | Choice) or (isinstance(d, Normal) and None not in (d.low, d.high))
-
     def extremes(self) -> list[Value]:
         """Values that must be allowed: the ends of a bounded distribution, the middle of another."""
         d = self.distribution
@@ -48,7 +42,8 @@ class Draw:
             counts = [1.0] * len(d.values) if d.weights is None else d.weights
             ends = (np.cumsum(counts) - 0.5 * np.array(counts))[np.array(counts) > 0] / sum(counts)
             return [self.value(float(u)) for u in ends]
-        return [self.value(u) for u in ((0.0, 1.0) if self.bounded else (0.5,))]
+        bounded = isinstance(d, Uniform | Integer) or (isinstance(d, Normal) and None not in (d.low, d.high))
+        return [self.value(u) for u in ((0.0, 1.0) if bounded else (0.5,))]
 
 
 def quantile(d: Scalar, u: float) -> Value:
@@ -63,7 +58,9 @@ def quantile(d: Scalar, u: float) -> Value:
         low, high = -math.inf if d.low is None else d.low, math.inf if d.high is None else d.high
         if u in (0.0, 1.0):
             return high if u else low
-        found = truncated(u, (low - d.mean) / d.std, (high - d.mean) / d.std) * d.std + d.mean
+        from scipy.stats import truncnorm  # accurate in both tails, however far out; slow to import
+
+        found = float(truncnorm.ppf(u, (low - d.mean) / d.std, (high - d.mean) / d.std, d.mean, d.std))
         return min(max(found, low), high)
     if isinstance(d, LogNormal):
         return d.median * math.exp(d.sigma * normal(u))
@@ -76,25 +73,6 @@ def normal(u: float) -> float:
     from scipy.special import ndtri
 
     return float(ndtri(u))
-
-
-def truncated(u: float, low: float, high: float) -> float:
-    """The value of the standard normal distribution between `low` and `high` at the probability `u`, accurate in both
-    tails, however far out.
-
-    It is scipy.stats.truncnorm.ppf to the last bit; scipy.stats takes each worker more than half a second to import.
-    """
-    from scipy.special import log1p, log_ndtr, logsumexp, ndtr, ndtri_exp
-
-    right = low >= 0  # there all is mirrored: probabilities close to 1 have no digits
-    if low <= 0 < high:
-        mass = log1p(-ndtr(low) - ndtr(-high))
-    else:
-        more, less = (high, low) if high <= 0 else (-low, -high)
-        mass = logsumexp([log_ndtr(more), log_ndtr(less) + np.pi * 1j]).real
-    beyond, share = (log_ndtr(-high), np.log1p(-u)) if right else (log_ndtr(low), np.log(u))
-    found = float(ndtri_exp(logsumexp([beyond, share + mass])))
-    return -found if right else found
 
 
 def stream(seed: int, k: int, which: int) -> np.random.Generator:
@@ -143,13 +121,9 @@ class Sampler:
     @cached_property
     def hypercube(self) -> np.ndarray:
         """All runs' points of a Latin hypercube, which comes as a whole only; shape (runs, dimensions)."""
-        random = np.random.default_rng(self.seed).spawn(1)[0]  # as scipy.stats.qmc does, whose import takes a while
-        places = random.uniform(size=(self.runs, self.dimensions))
-        strata = np.tile(np.arange(1, self.runs + 1), (self.dimensions, 1))
-        for row in strata:
-            random.shuffle(row)
-        found: np.ndarray = (strata.T - places) / self.runs
-        return found
+        from scipy.stats import qmc
+
+        return qmc.LatinHypercube(self.dimensions, rng=np.random.default_rng(self.seed)).random(self.runs)
 
     def sobol(self, first: int, last: int) -> np.ndarray:
         """A part of the scrambled sequence; shape (last - first, dimensions)."""

@@ -67,6 +67,7 @@ def test_state_can_be_saved_serialised_and_replayed_to_the_last_bit(fmu):
             assert rest(fresh) == expected
 
 
+@pytest.mark.slow
 def test_hundreds_of_instances_of_one_fmu_can_come_and_go(python_fmus):
     """pythonfmu's loader drops a reference of the slave module's globals with every instance."""
     for _ in range(200):

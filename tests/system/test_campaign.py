@@ -219,6 +219,7 @@ def clusters(tmp_path):
         one.stop()
 
 
+@pytest.mark.slow
 def test_a_killed_worker_then_scheduler_then_client_leave_the_same_tables(clusters, tmp_path):
     file, out = written(tmp_path, runs=150, stop=40, runs_per_task=1), tmp_path / "out"
     fly(file, tmp_path / "expected")

@@ -169,6 +169,7 @@ def test_a_worker_with_other_code_is_refused_by_name_before_anything_flies(hosts
     assert not list((tmp_path / "out" / "parts").glob("receipt-*"))
 
 
+@pytest.mark.slow
 def test_a_worker_with_other_code_that_joins_later_is_sent_away_by_name(hosts, other_tree, tmp_path):
     there = hosts()
     there.worker()

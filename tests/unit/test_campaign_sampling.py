@@ -6,7 +6,7 @@ import warnings
 import numpy as np
 import pytest
 
-from cosim.campaign.sampling import Draw, Sampler, keeps_signals, mixing, quantile, truncated
+from cosim.campaign.sampling import Draw, Sampler, keeps_signals, mixing, quantile
 from cosim.campaign.spec import Choice, Correlation, Integer, LogNormal, Normal, Uniform
 
 UNIFORM = Uniform(distribution="uniform", low=-2, high=6)
@@ -45,25 +45,6 @@ def test_a_part_of_a_sobol_sequence_is_that_part_of_the_whole(seed, dimensions):
     sampler = Sampler("sobol", seed, 1000, dimensions)
     for first, last in ((0, 1), (0, 1000), (1, 2), (1, 17), (511, 514), (999, 1000)):
         assert np.array_equal(sampler.points(first, last), whole[first:last])
-
-
-@pytest.mark.parametrize("seed,runs,dimensions", [(1, 1, 1), (5, 40, 7), (2**63 - 1, 1000, 3)])
-def test_a_latin_hypercube_is_scipys(seed, runs, dimensions):
-    from scipy.stats import qmc
-
-    expected = qmc.LatinHypercube(dimensions, rng=np.random.default_rng(seed)).random(runs)
-    assert np.array_equal(Sampler("latin-hypercube", seed, runs, dimensions).hypercube, expected)
-
-
-def test_a_truncated_normal_distribution_is_scipys_to_the_last_bit():
-    from scipy.stats import truncnorm
-
-    random = np.random.default_rng(7)
-    bounds = np.sort(random.normal(0.0, random.choice([0.3, 3.0, 12.0], (300, 1)), (300, 2)), axis=1)
-    bounds = np.concatenate((bounds, [[0.0, 1.0], [-1.0, 0.0], [0.0, math.inf], [-math.inf, 0.0], [35.0, 36.0]]))
-    bounds[:20, 0], bounds[20:40, 1] = -math.inf, math.inf
-    for (low, high), u in zip(bounds.tolist(), random.random(len(bounds)).tolist()):
-        assert truncated(u, low, high) == truncnorm.ppf(u, low, high), (u, low, high)
 
 
 def test_a_late_run_of_a_large_sobol_campaign_needs_no_memory():

@@ -15,7 +15,9 @@ from cosim.conformance.confined import Limits
 from cosim.conformance.report import Report
 
 PATIENT = Limits(budget_s=600.0)  # whatever else the machine does
-OURS = sorted(ROOT.glob("fmus/dist/*/*.fmu"))
+OURS = sorted(path for flavour in ("native", "native-fmi3", "python")
+              for path in ROOT.glob(f"fmus/dist/{flavour}/*.fmu"))
+LONG = ("AhvInstrumentedPlant", "AhvResilient", "AhvBackstepping")  # in the Python flavour
 
 # The least that the schema and the specification ask for: no units, no types, no claims, flat names.
 MINIMAL = """<?xml version="1.0" encoding="UTF-8"?>
@@ -106,7 +108,10 @@ def test_path_with_spaces_and_letters_beyond_ascii(tmp_path: Path) -> None:
     assert _told(check(write(folder / "Fixture.fmu", members()), cycles=100)) == []
 
 
-@pytest.mark.parametrize("fmu", OURS, ids=lambda path: f"{path.parent.name}/{path.name}")
+@pytest.mark.parametrize("fmu", [
+    pytest.param(path, id=f"{path.parent.name}/{path.name}",
+                 marks=[pytest.mark.slow] if path.parent.name == "python" and path.stem in LONG else [])
+    for path in OURS])
 def test_our_own_fmus_have_no_error(fmu: Path) -> None:
     report = check(fmu, cycles=100, limits=PATIENT)
     assert report.passed, _told(report)
