@@ -71,7 +71,7 @@ static Status initialise(Instance *instance)
     model_outputs((const double *[]){&s->time, x, s->u, s->p, k}, (double *[]){y});
     if (not_acceptable(reason, x, y))
         return refuse(instance, ERROR, MODEL_NAME " cannot start: %s", reason);
-    memcpy(s->k, k, sizeof k);
+    memcpy(s->k, k, NK * sizeof *k);
     take(s, x, y, s->time);
     s->stale = 0;
     return OK;
