@@ -17,7 +17,7 @@ from . import program
 
 SOURCE = Path(__file__).with_name("loop.c")
 BUILT = Path(__file__).with_name("built")  # of a checkout and of a wheel
-CHECKOUT = Path(__file__).parents[2] / "pyproject.toml"
+CHECKOUT = Path(__file__).parents[2] / "requirements" / "flying.txt"  # some wheels leave a pyproject.toml beside us
 PLATFORMS = {  # as FMI 3.0 calls them -> zig's target, the ending of a library
     "x86_64-linux": ("x86_64-linux-gnu.2.17", ".so"), "aarch64-linux": ("aarch64-linux-gnu.2.17", ".so"),
     "x86_64-windows": ("x86_64-windows-gnu", ".dll"),
