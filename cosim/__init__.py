@@ -21,6 +21,7 @@ from .errors import UsageError as UsageError
 if TYPE_CHECKING:
     from .conformance.report import Report as Report
     from .ecosystems.environment import Environment as Environment
+    from .ecosystems.function import Function as Function
     from .library import check as check
     from .library import fly as fly
     from .master.flight import Flight as Flight
@@ -40,7 +41,7 @@ WHERE = {
     "LoadedSsp": "ssp.load", "load_ssp": "ssp.load",
     "FmuInfo": "master.info", "info": "master.info", "preset": "master.fmu",
     "Report": "conformance.report", "check": "library",
-    "Environment": "ecosystems.environment",
+    "Environment": "ecosystems.environment", "Function": "ecosystems.function",
 }
 
 

@@ -2,7 +2,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from os import PathLike
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from ..master.loaded import Ended, open_files
 from ..master.stepped import Stepped
 from ..master.system import System
 from .moment import Moment
-from .opened import needed, opened
+from .opened import needed, opened, pythons_words
 from .ports import Draw, Ports, actions_of, begins, bounds, drawn, observations_of
 
 try:
@@ -55,13 +55,13 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
 
     Raises UsageError for what does not fit.
     """
-    metadata: ClassVar[dict[str, Any]] = {"render_modes": []}
-
+    @pythons_words()
     def __init__(self, system: System | str | PathLike[str], actions: Ports, observations: Ports,
                  reward: Callable[[Moment], float] | None = None, terminated: Callable[[Moment], bool] | None = None,
                  *, signals: Sequence[str] = (), values: Mapping[str, Draw] | None = None, without: Sequence[str] = (),
                  step: float | None = None, stop: float | None = None, hold: int = 1, algorithm: str | None = None,
                  scaled: bool = True, penalty: float = 0.0, render_mode: None = None):
+        self.metadata = {"render_modes": []}
         self.stack = ExitStack()
         given, suggested = opened(system, self.stack)
         flown = given.without(*without)
@@ -91,6 +91,7 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
         self.message, self.ended_at = "", None  # type: str, float | None
         self.over = True
 
+    @pythons_words()
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None
               ) -> tuple[np.ndarray, dict[str, Any]]:
         """Begin an episode; `options` has values for this one only, in the form and in the place of `values`.
@@ -152,7 +153,8 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
                              f"{', '.join(port.name for port in self.actions)}.")
         if not np.isfinite(found).all():
             wrong = int(np.flatnonzero(~np.isfinite(found))[0])
-            raise UsageError(f"The action for {self.actions[wrong].name} is {found[wrong]}; it must be a finite number.")
+            raise UsageError(f"The action for {self.actions[wrong].name} is {found[wrong]}; it must be a finite "
+                             f"number.")
         found = np.minimum(np.maximum(self.middle + self.reach * found, self.least), self.most)
         return np.where(self.whole, np.rint(found), found) if self.whole.any() else found
 

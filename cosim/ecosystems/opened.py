@@ -1,5 +1,6 @@
 """What users of other tools name a system by: data, a file, or a scenario of ours."""
-from contextlib import ExitStack
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from numbers import Real
 from os import PathLike
@@ -8,8 +9,18 @@ from ..errors import UsageError
 from ..master.system import System
 from ..systems.load import ENDINGS, load_system
 from ..systems.system_file import is_system_file
+from ..text import in_python
 
 DEFAULT_STEP = 0.01  # s, of a scenario's flight, as that of `ahv run`
+
+
+@contextmanager
+def pythons_words() -> Iterator[None]:
+    """Sentences of UsageError that are raised inside name arguments of Python, not options of the command line."""
+    try:
+        yield
+    except UsageError as error:
+        raise type(error)(in_python(str(error))) from None
 
 
 def opened(system: System | str | PathLike[str], stack: ExitStack) -> tuple[System, str]:

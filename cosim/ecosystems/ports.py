@@ -70,8 +70,8 @@ def pairs(word: str, given: Ports) -> list[tuple[str, Limits | None]]:
     if isinstance(given, str) or not isinstance(given, Iterable):
         raise UsageError(f"{word} = {given!r} is not allowed: it must be a list of names, or a dict of names and "
                          f"(low, high).")
-    found = [(name, limits_of(word, name, limits)) for name, limits in given.items()] if isinstance(given, Mapping) \
-        else [(name, None) for name in given]
+    said = given if isinstance(given, Mapping) else {}
+    found = [(name, limits_of(word, name, said.get(name))) for name in given]
     names = [name for name, _ in found]
     if not names:
         raise UsageError(f"{word} is empty: name at least one, as component.variable.")

@@ -11,7 +11,6 @@ from .algorithms.base import Algorithm, Even, Experiment
 from .flight import Flight
 from .fly import inquire, origins, tick_count
 from .kept import Kept
-from .loaded import Ended
 from .recording import Whole
 from .system import System, Value
 from .table import Table
@@ -93,14 +92,15 @@ class Stepped:
         return self.running is not None and self.running.done
 
     def flight(self, message: str = "", ended_at: float | None = None) -> Flight:
-        """What was flown since the last `begin`, with why it ended if that was early. Raises UsageError without one."""
+        """What was flown since the last `begin`, with why it ended if that was early. Of an FMU that has failed the
+        parameters are those that were set. Raises UsageError without a flight."""
         master = self.kept.master
         if self.recorder is None or self.running is None or master is None:
             raise UsageError("There is no flight yet: reset it first.")
         time, signals = (array.copy() for array in self.recorder.finish())
-        return Flight(time, signals, master.columns, not message or ended_at is not None, message, 0.0, 0.0,
-                      {i.name: inquire(i) for i in master.instances}, origins(master), self.running.ticks, self.time,
-                      ended_at=ended_at)
+        parameters = {i.name: master.values[i.name] if i.failed else inquire(i) for i in master.instances}
+        return Flight(time, signals, master.columns, not message or ended_at is not None, message, 0.0, 0.0, parameters,
+                      origins(master), self.running.ticks, self.time, ended_at=ended_at)
 
     def close(self) -> None:
         """End and unload the FMUs."""

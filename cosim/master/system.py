@@ -77,9 +77,9 @@ class System:
         """The same system without the components called `names` and their connections: nothing feeds the inputs that
         they fed. Raises UsageError for no such component."""
         gone = {self.component(name).name for name in names}
-        return replace(self, components=tuple(c for c in self.components if c.name not in gone),
-                       connections=tuple(link for link in self.connections
-                                         if gone.isdisjoint(end.partition(".")[0] for end in (link.source, link.target))))
+        links = tuple(link for link in self.connections
+                      if gone.isdisjoint(end.partition(".")[0] for end in (link.source, link.target)))
+        return replace(self, components=tuple(c for c in self.components if c.name not in gone), connections=links)
 
     def component(self, name: str) -> Component:
         """The component called `name`. Raises UsageError if there is none."""
