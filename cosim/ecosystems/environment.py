@@ -1,6 +1,8 @@
 """A system of FMUs as an environment of Gymnasium, for agents that learn to act on it."""
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
+from math import isfinite
+from operator import ge, le
 from os import PathLike
 from typing import Any
 
@@ -74,9 +76,11 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
                              needed("step", step, given.step), needed("stop", stop, given.stop),
                              method(algorithm or suggested), hold)
         self.reward, self.terminated, self.penalty, self.draws = reward, terminated, penalty, dict(values or {})
-        self.low, self.high = bounds(self.observations)
+        low, high = bounds(self.observations)
+        self.lows, self.highs = low.tolist(), high.tolist()
         self.least, self.most = bounds(self.actions)
         self.whole = np.array([port.whole for port in self.actions])
+        self.rounds = bool(self.whole.any())
         self.action_space: spaces.Space[Any]
         self.middle, self.reach = np.zeros(len(self.actions)), np.ones(len(self.actions))
         if self.whole.all():
@@ -87,7 +91,7 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
             self.middle, self.reach = (self.most + self.least) / 2, (self.most - self.least) / 2
         else:
             self.action_space = spaces.Box(self.least, self.most, dtype=np.float64)
-        self.observation_space = spaces.Box(self.low, self.high, dtype=np.float64)
+        self.observation_space = spaces.Box(low, high, dtype=np.float64)
         self.message, self.ended_at = "", None  # type: str, float | None
         self.over = True
 
@@ -129,9 +133,8 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
         except RunError as error:
             self.message, lost = str(error), True
         observation = row.take(self.shown)
-        if not ((self.low <= observation) & (observation <= self.high)).all():  # nan is not, either
-            self.message, lost = f"{self.outside(observation)}.", True
-            observation = self.observation
+        if outside := self.outside(observation):
+            self.message, lost, observation = f"{outside}.", True, self.observation
         self.observation = observation
         before = self.now
         before.before = None  # no chain of all that was
@@ -151,19 +154,19 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
         if found.shape != self.least.shape:
             raise UsageError(f"An action of shape {found.shape} is not allowed: it must be {self.least.shape}, for "
                              f"{', '.join(port.name for port in self.actions)}.")
-        if not np.isfinite(found).all():
-            wrong = int(np.flatnonzero(~np.isfinite(found))[0])
-            raise UsageError(f"The action for {self.actions[wrong].name} is {found[wrong]}; it must be a finite "
-                             f"number.")
+        if not all(map(isfinite, found.tolist())):
+            port, value = next((p, x) for p, x in zip(self.actions, found.tolist()) if not isfinite(x))
+            raise UsageError(f"The action for {port.name} is {value}; it must be a finite number.")
         found = np.minimum(np.maximum(self.middle + self.reach * found, self.least), self.most)
-        return np.where(self.whole, np.rint(found), found) if self.whole.any() else found
+        return np.where(self.whole, np.rint(found), found) if self.rounds else found
 
     def outside(self, observation: np.ndarray) -> str:
         """Which observation is not within its limits, a sentence without its full stop; empty if all are."""
-        for port, value in zip(self.observations, observation.tolist()):
-            if not port.low <= value <= port.high:
-                return f"At t = {self.flown.time:.6g} s {port.name} is {value:g}, beyond its limits ({port})"
-        return ""
+        values = observation.tolist()  # in this size quicker than arrays; nan is not within, either
+        if all(map(le, self.lows, values)) and all(map(ge, self.highs, values)):
+            return ""
+        port, value = next((p, x) for p, x in zip(self.observations, values) if not p.low <= x <= p.high)
+        return f"At t = {self.flown.time:.6g} s {port.name} is {value:g}, beyond its limits ({port})"
 
     @property
     def flight(self) -> Flight:

@@ -1,6 +1,4 @@
 """A system as a function from values to figures, and what OpenTURNS and gemseo make of one."""
-import subprocess
-import sys
 
 import importers
 import numpy as np
