@@ -14,6 +14,7 @@ from ..master.flight import Flight
 from ..master.loaded import Ended, open_files
 from ..master.stepped import Stepped
 from ..master.system import System
+from .judge import of_moment
 from .moment import Moment
 from .opened import needed, opened, pythons_words
 from .ports import Draw, Ports, actions_of, begins, bounds, drawn, observations_of
@@ -34,9 +35,10 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
                   one nominal value
     observations  the signals that the agent sees: as actions, any variable that is a number. Where the FMU declares no
                   limit, it is 1000 nominal values from 0
-    reward        a function of the Moment after a step, such as `lambda now: -abs(now["plant.h"] - 85_000)`; else 0.0
-    terminated    a function of the Moment after a step: whether the episode is over
-    signals       patterns of more signals for `reward`, `terminated` and `flight`, `*` for any
+    reward        an expression on the signals after a step, such as "-abs(plant.h - 85000)", or a function of that
+                  Moment, such as `lambda now: now["plant.h"] - now.before["plant.h"]`; else 0.0
+    terminated    the same for a condition that ends the episode, such as "plant.h < 80000"
+    signals       patterns of more signals for functions and for `flight`, `*` for any
     values        `component.variable` -> what is set at each reset: a value, (low, high) for a uniform draw, or a
                   function of a numpy random generator
     without       components that are left out: nothing feeds the inputs that they fed
@@ -52,17 +54,19 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
 
     An episode is terminated when `terminated` says so, when an FMU ends the simulation, and when the flight is lost: an
     FMU refuses a step, or an observation leaves its limits or is no number. `info["message"]` then says which, in one
-    sentence, and the observation of a flight that is lost is the last one within the limits. An episode is truncated at
+    sentence. The observation of a flight that is lost is the last one within the limits, and the reward is of the
+    signals at that time. An episode is truncated at
     `stop`. `info["time"]` is the time, s; after a reset, `info["values"]` are the values that were drawn.
 
     Raises UsageError for what does not fit.
     """
     @pythons_words()
     def __init__(self, system: System | str | PathLike[str], actions: Ports, observations: Ports,
-                 reward: Callable[[Moment], float] | None = None, terminated: Callable[[Moment], bool] | None = None,
-                 *, signals: Sequence[str] = (), values: Mapping[str, Draw] | None = None, without: Sequence[str] = (),
-                 step: float | None = None, stop: float | None = None, hold: int = 1, algorithm: str | None = None,
-                 scaled: bool = True, penalty: float = 0.0, render_mode: None = None):
+                 reward: str | Callable[[Moment], float] | None = None,
+                 terminated: str | Callable[[Moment], bool] | None = None, *, signals: Sequence[str] = (),
+                 values: Mapping[str, Draw] | None = None, without: Sequence[str] = (), step: float | None = None,
+                 stop: float | None = None, hold: int = 1, algorithm: str | None = None, scaled: bool = True,
+                 penalty: float = 0.0, render_mode: None = None):
         self.metadata = {"render_modes": []}
         self.stack = ExitStack()
         given, suggested = opened(system, self.stack)
@@ -71,11 +75,13 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
             start = begins(flown, files)
             self.actions = actions_of(actions, files, start)
             self.observations = observations_of(observations, files)
-        names = [port.name for port in (*self.observations, *self.actions)]
-        self.flown = Stepped(flown, {port.name: start[port.name] for port in self.actions}, [*names, *signals],
+            self.reward, valued = of_moment("reward", reward, False, files)
+            self.terminated, compared = of_moment("terminated", terminated, True, files)
+        kept = [*(port.name for port in (*self.observations, *self.actions)), *valued, *compared, *signals]
+        self.flown = Stepped(flown, {port.name: start[port.name] for port in self.actions}, kept,
                              needed("step", step, given.step), needed("stop", stop, given.stop),
                              method(algorithm or suggested), hold)
-        self.reward, self.terminated, self.penalty, self.draws = reward, terminated, penalty, dict(values or {})
+        self.penalty, self.draws = penalty, dict(values or {})
         low, high = bounds(self.observations)
         self.lows, self.highs = low.tolist(), high.tolist()
         self.least, self.most = bounds(self.actions)
@@ -138,7 +144,7 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
         self.observation = observation
         before = self.now
         before.before = None  # no chain of all that was
-        self.now = now = Moment(before.places, row.tolist(), self.flown.time, before)
+        self.now = now = Moment(before.places, before.row if lost else row.tolist(), self.flown.time, before)
         terminated = bool(self.message) or (self.terminated is not None and bool(self.terminated(now)))
         truncated = self.flown.done and not terminated
         self.over = terminated or truncated

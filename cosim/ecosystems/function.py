@@ -8,12 +8,16 @@ import numpy as np
 
 from ..errors import RunError, UsageError
 from ..master.algorithms import method
+from ..master.connections import recorded_names
 from ..master.flight import Flight
 from ..master.fly import fly_loaded, tick_count
 from ..master.kept import Kept
+from ..master.loaded import open_files
 from ..master.recording import Whole
 from ..master.system import System
+from .judge import expression, of_flight
 from .opened import needed, opened, pythons_words
+from .ports import variable
 
 
 class Function:
@@ -22,8 +26,9 @@ class Function:
 
     system      a cosim.System, a file (.fmu, .ssp, .ssd, .yaml), or what `ahv run` flies, such as "case1"
     inputs      what the values are set to: parameters, start values and inputs, `component.variable`
-    figures     name -> a function of the Flight, such as `lambda flight: flight["plant.h"].max()`
-    record      patterns of the signals that the figures need, `*` for any; else all numeric outputs
+    figures     name -> an expression on signals, such as "max(plant.h) - min(plant.h)", or a function of the Flight,
+                such as `lambda flight: flight["plant.h"].max()`
+    record      patterns of the signals that functions need, `*` for any; else all numeric outputs
     step, stop  s; else what the system's file suggests
     algorithm   as that of `cosim.fly`; else the file's, or gauss-seidel
     lost        what all figures of a flight are that ends early; if it is None, that raises RunError
@@ -34,19 +39,27 @@ class Function:
 
     @pythons_words()
     def __init__(self, system: System | str | PathLike[str], inputs: Sequence[str],
-                 figures: Mapping[str, Callable[[Flight], float]], *, record: Sequence[str] | None = None,
+                 figures: Mapping[str, str | Callable[[Flight], float]], *, record: Sequence[str] | None = None,
                  step: float | None = None, stop: float | None = None, algorithm: str | None = None,
                  lost: float | None = None):
         if isinstance(inputs, str):
             raise UsageError(f"inputs = {inputs!r} is not allowed: it must be a list of names.")
         self.stack = ExitStack()
         flown, suggested = opened(system, self.stack)
-        self.inputs, self.figures, self.lost, self.method = [*inputs], dict(figures), lost, method(
-            algorithm or suggested)
+        self.inputs, self.lost, self.method = [*inputs], lost, method(algorithm or suggested)
         self.start, self.step = flown.start, needed("step", step, flown.step)
         self.ticks = tick_count(self.step, needed("stop", stop, flown.stop), self.start)
-        self.kept = Kept(flown, record=None if record is None else list(record))
-        self.recorder = Whole(self.kept.ready({}).columns, self.ticks + 2)
+        named = [name for word, figure in figures.items() if (found := expression(word, figure))
+                 for name in found.names]
+        with open_files(flown) as files:
+            for name in named:
+                variable("figures", name, files)
+            outputs = recorded_names(flown, files, None if record is None else list(record))
+        functions = any(callable(figure) for figure in figures.values())
+        self.kept = Kept(flown, record=[*named, *(outputs if functions else ())])
+        columns = self.kept.ready({}).columns
+        self.figures = {word: of_flight(word, figure, [c.name for c in columns]) for word, figure in figures.items()}
+        self.recorder = Whole(columns, self.ticks + 2)
 
     @pythons_words()
     def __call__(self, values: Any) -> np.ndarray:
@@ -61,7 +74,16 @@ class Function:
         flight = self.fly(given)
         if flight is None or not flight.finished:
             return np.full(len(self.figures), self.lost)
-        return np.array([float(figure(flight)) for figure in self.figures.values()])
+        return np.array([self.figure(word, flight) for word in self.figures])
+
+    def figure(self, word: str, flight: Flight) -> float:
+        """One figure of a flight; `lost` where it has no value, or RunError if that is None."""
+        try:
+            return float(self.figures[word](flight))
+        except ValueError as error:
+            if self.lost is None:
+                raise RunError(f"{word}: {error}.") from None
+            return self.lost
 
     def fly(self, values: np.ndarray) -> Flight | None:
         """The flight with `values`, shape (inputs,); its rows are valid until the next one. One that did not start is

@@ -14,6 +14,9 @@ class Moment:
         self.places, self.row, self.time = places, row, time
         self.before = before
 
+    def __contains__(self, name: object) -> bool:
+        return name in self.places
+
     def __getitem__(self, name: str) -> float:
         """Raises UsageError, which is a KeyError too, for a signal that is not there."""
         try:

@@ -134,6 +134,18 @@ def test_what_no_limit_is_declared_for_gets_the_limits_that_the_page_tells(loop,
     assert [(port.low, port.high) for port in ports] == [(2, 4), (0, 1), (-5, 5), (0, 1)]
 
 
+def test_a_reward_and_a_condition_may_be_expressions(fmu, made):
+    words = made(mass(fmu), ["mass.u"], ["mass.y2"], "-abs(mass.y - 2) ** 2 + mass.u", "mass.y < 0.9 and mass.x1 > 0")
+    functions = made(mass(fmu), ["mass.u"], ["mass.y2"], lambda now: -abs(now["mass.y"] - 2) ** 2 + now["mass.u"],
+                     lambda now: now["mass.y"] < 0.9, signals=["mass.y"])
+    words.reset(), functions.reset()
+    shown = [], []
+    while not (shown[0] and shown[0][-1][1]):
+        for one, steps in zip((words, functions), shown):
+            steps.append(one.step([0.3])[1:4])
+    assert shown[0] == shown[1] and len(shown[0]) > 10
+
+
 def test_a_moment_knows_the_one_before(fmu, made):
     seen = []
     environment = made(mass(fmu), ["mass.u"], ["mass.y"],
@@ -238,6 +250,11 @@ def test_no_fmu_sees_an_action_that_is_not_finite(fmu, made, wrong):
     ({"actions": {"mass.whole_in": (0.5, 2)}}, "mass.whole_in = 0.5 is not allowed: it must be a whole number."),
     ({"observations": ["mass.z"]}, "observations: mass.z is no variable that is a number"),
     ({"observations": {"mass.y": (np.nan, 1.0)}}, "the limits of mass.y are (nan, 1.0)"),
+    ({"reward": "-mass.yy"}, "reward: mass.yy is no variable that is a number; did you mean mass.y?"),
+    ({"reward": "mass.y +"}, "reward: 'mass.y +' is not an expression."), ({"reward": 3}, "reward = 3 is not allowed"),
+    ({"reward": "mass.y > 1"}, "reward: 'mass.y > 1' is true or false"),
+    ({"reward": "mean(mass.y)"}, "reward: 'mean(mass.y)'"),
+    ({"terminated": "mass.y"}, "terminated: 'mass.y' is neither true nor false"),
     ({"hold": 3}, "hold = 3 is not allowed: it must be a whole number that divides the 100 communication steps"),
     ({"hold": True}, "hold = True is not allowed"),
     ({"step": "fast"}, "step = 'fast' is not allowed: it must be a number of seconds."),

@@ -27,6 +27,17 @@ def test_a_function_gives_the_figures_of_flights(fmu):
         assert function(np.empty((0, 2))).shape == (0, 2)
 
 
+def test_figures_may_be_expressions_on_any_signals(fmu):
+    figures = {"peak": "max(mass.y)", "late": "first(mass.y < 0)", "odd": "1 / (final(mass.a21) + 4)"}
+    flight = cosim.fly(mass(fmu), record=["mass.y"], progress=False)
+    with cosim.Function(mass(fmu), ["mass.x1"], {"peak": figures["peak"], **FIGURES}) as function:
+        assert (function([1.0]) == [flight["mass.y"].max(), flight["mass.y"][-1]]).all()
+    with cosim.Function(mass(fmu), ["mass.x1"], figures, lost=-1.0) as function:
+        assert function([1.0])[2] == -1.0 and 0.7 < function([1.0])[1] < 0.9
+    with cosim.Function(mass(fmu), ["mass.x1"], figures) as function, pytest.raises(RunError, match="odd: "):
+        function([1.0])
+
+
 def test_a_flight_that_is_lost_is_an_error_or_the_number_that_was_asked_for(fmu):
     inputs, fault = ["mass.fault", "mass.fault_time"], small.FAULTS.index
     with cosim.Function(mass(fmu), inputs, FIGURES) as function:
@@ -45,6 +56,9 @@ def test_a_flight_that_is_lost_is_an_error_or_the_number_that_was_asked_for(fmu)
     ({"inputs": ["mass.xx"]}, "has no variable xx"), ({"inputs": ["wing.x"]}, "There is no component wing"),
     ({"inputs": ["mass.x1", "mass.x2"]}, "there must be 2 in a row, for mass.x1, mass.x2."),
     ({"record": ["mass.z"]}, "record mass.z fits no numeric variable"), ({"values": [np.nan]}, "mass.x1 = nan"),
+    ({"figures": {"peak": "mass.y"}}, "peak: 'mass.y' is a signal"),
+    ({"figures": {"peak": "max(mass.yy)"}}, "figures: mass.yy is no variable that is a number"),
+    ({"figures": {"peak": 3}}, "peak = 3 is not allowed"),
     ({"stop": 0.015}, "stop 0.015 s is not a whole number of communication steps"),
 ])
 def test_what_does_not_fit_is_one_sentence(fmu, options, words):
