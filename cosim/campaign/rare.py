@@ -1,7 +1,7 @@
 """The probability of a rare failure, from far fewer runs than plain sampling needs.
 
 The uncertain numbers are points of the standard normal space, and each point has a margin: a failure is a margin of at
-most 0. Both methods go there by levels. Of the runs of a level the tenth with the least margin gives the next threshold.
+most 0. Both methods go there by levels. The tenth of a level's runs with the least margins gives the next threshold.
 
     subset-simulation   Markov chains fill what lies below the threshold (Au and Beck, 2001); the probability is the
                         product of the levels' shares
@@ -13,7 +13,7 @@ out what the first level contributes.
 """
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -25,7 +25,8 @@ SHARE = 0.1          # of a level's runs lies below its threshold
 PROPOSAL = 2.0       # width of the uniform steps of a chain, in standard deviations; OpenTURNS's own choice
 FAR = 1e300          # the margin of a run that was not judged: chains do not go there
 NORMAL_95 = 1.959963984540054
-Margins = Callable[[int, np.ndarray], np.ndarray]  # first run, points (runs, dimensions) -> margins (runs,)
+# First run, points (runs, dimensions) -> margins (runs,), NaN of a run that was not judged.
+Margins = Callable[[int, np.ndarray], np.ndarray]
 
 
 @dataclass(frozen=True)
@@ -43,18 +44,21 @@ class Level:
 class Estimate:
     """What the runs say of the probability of failure: None where no level reached it, for the `reason`."""
     probability: float | None
-    variation: float | None     # coefficient of variation
+    variation: float | None     # coefficient of variation, as if levels were independent of each other
+    bound: float | None         # on it: as if they were as dependent as they can be
     levels: tuple[Level, ...]
     runs: int
     reason: str = ""
-    weights: np.ndarray = field(default_factory=lambda: np.empty(0))  # of the last level's runs, by cross-entropy
+    points: np.ndarray = field(repr=False, default_factory=lambda: np.empty((0, 0)))  # of all runs
+    margins: np.ndarray = field(repr=False, default_factory=lambda: np.empty(0))      # of all runs
+    weights: np.ndarray = field(repr=False, default_factory=lambda: np.empty(0))      # of the last level, if there are
 
     @property
     def interval(self) -> tuple[float, float]:
-        """About 95 %: log-normal, by the coefficient of variation."""
-        if not self.probability or self.variation is None:
+        """95 %: log-normal, by the bound on the coefficient of variation."""
+        if not self.probability or self.bound is None:
             return 0.0, 1.0
-        spread = math.exp(NORMAL_95 * math.sqrt(math.log1p(self.variation**2)))
+        spread = math.exp(NORMAL_95 * math.sqrt(math.log1p(self.bound**2)))
         return self.probability / spread, min(1.0, self.probability * spread)
 
     @property
@@ -79,6 +83,12 @@ def library() -> Any:
     return openturns
 
 
+def block(rare: Rare) -> int:
+    """How many runs are flown at a time. Of subset simulation it is one of each chain: with more OpenTURNS would start
+    chains anew."""
+    return round(SHARE * rare.runs_per_level) if rare.method == "subset-simulation" else rare.runs_per_level
+
+
 class Watched:
     """The system as OpenTURNS calls it. It remembers points and margins, and ends the algorithm where it must."""
 
@@ -93,7 +103,7 @@ class Watched:
         try:
             if self.error is None:
                 self.check()
-                new = np.clip(np.nan_to_num(self.margins(first, points), nan=-FAR), -FAR, FAR)
+                new = np.clip(np.nan_to_num(self.margins(first, points), nan=FAR), -FAR, FAR)
                 self.points, self.found = np.vstack([self.points, points]), np.append(self.found, new)
                 return new[:, np.newaxis].tolist()  # type: ignore[no-any-return]
         except BaseException as error:  # through OpenTURNS it would lose its type, and print a traceback
@@ -105,9 +115,9 @@ class Watched:
         size, number = self.rare.runs_per_level, len(self.found) // self.rare.runs_per_level
         if len(self.found) % size or number == 0:
             return
-        last, before = (np.sort(self.found[first:first + size]) for first in ((number - 1) * size, max(0, number - 2) * size))
-        tenth = round(SHARE * size) - 1
-        if number > 1 and last[0] == last[tenth] == before[0] == before[tenth] > 0:
+        late = np.sort(self.found[-2 * size:].reshape(-1, size))[:, [0, round(SHARE * size) - 1]]
+        last = late[-1]
+        if number > 1 and last[0] > 0 and (late == last[0]).all():
             raise NotReached(f"a tenth of the runs of two levels has one and the same margin, {last[0]:.6g}, so that "
                              "it does not lead to a failure")
         if number >= self.rare.most_levels:
@@ -137,14 +147,10 @@ def estimate(rare: Rare, dimensions: int, seed: int, margins: Margins) -> Estima
     event = ot.ThresholdEvent(ot.CompositeRandomVector(system, ot.RandomVector(ot.Normal(dimensions))),
                               ot.LessOrEqual(), 0.0)
     subset = rare.method == "subset-simulation"
-    if subset:
-        algorithm = ot.SubsetSampling(event, PROPOSAL, SHARE)
-        size = round(SHARE * rare.runs_per_level)  # as many chains as seeds; a larger block would only restart them
-    else:
-        algorithm = ot.StandardSpaceCrossEntropyImportanceSampling(event, SHARE)
-        size = rare.runs_per_level
-    algorithm.setBlockSize(size)
-    algorithm.setMaximumOuterSampling(rare.runs_per_level // size)
+    algorithm = (ot.SubsetSampling(event, PROPOSAL, SHARE) if subset else
+                 ot.StandardSpaceCrossEntropyImportanceSampling(event, SHARE))
+    algorithm.setBlockSize(block(rare))
+    algorithm.setMaximumOuterSampling(rare.runs_per_level // block(rare))
     stopped = watched.stopped  # OpenTURNS does not keep it alive
     algorithm.setStopCallback(stopped)
     state, shown = ot.RandomGenerator.GetState(), ot.Log.Flags()
@@ -162,33 +168,44 @@ def estimate(rare: Rare, dimensions: int, seed: int, margins: Margins) -> Estima
     if watched.error is not None and not isinstance(watched.error, NotReached):
         raise watched.error
     reason = str(watched.error or reason)
-    return by_subsets(watched, algorithm, reason) if subset else by_weights(watched, algorithm, reason)
+    if not reason:
+        reason = stuck(watched, algorithm.getThresholdPerStep()[-1])
+    return (by_subsets if subset else by_weights)(watched, algorithm, reason)
+
+
+def stuck(watched: Watched, threshold: float) -> str:
+    """Why an algorithm that ended at `threshold` did not reach a failure; empty if it did.
+
+    OpenTURNS also ends where a level has no variance: all of it failed, or all of it has the same margin.
+    """
+    late = watched.found[-watched.rare.runs_per_level:]
+    if threshold <= 0 or ((late <= 0).any() and not ((late > 0) & (late <= threshold)).any()):
+        return ""
+    return "all runs of a level have one and the same margin, so that it does not lead to a failure"
 
 
 def by_subsets(watched: Watched, algorithm: Any, reason: str) -> Estimate:
     """The estimate of subset simulation. Its variance has a part of each level, larger by the correlation of a chain's
-    points; levels are taken to be independent of each other."""
+    points."""
     size, runs = watched.rare.runs_per_level, len(watched.found)
-    thresholds, below = list(algorithm.getThresholdPerStep()), [min(1.0, p) for p in
-                                                                algorithm.getProbabilityEstimatePerStep()]
-    levels = tuple(watched.level(*one) for one in zip(range(runs // size), thresholds, below))
-    if not reason and thresholds[-1] > 0:  # the last level has no variance: all of it failed, or nothing moved
-        late = watched.found[-size:]
-        if not (late <= 0).any() or ((late > 0) & (late <= thresholds[-1])).any():
-            reason = "all runs of a level have one and the same margin, so that it does not lead to a failure"
+    below = np.minimum(np.array(algorithm.getProbabilityEstimatePerStep()), 1.0)
+    levels = tuple(watched.level(i, float(t), float(p))
+                   for i, (t, p) in enumerate(zip(algorithm.getThresholdPerStep(), below)))
     if reason:
-        return Estimate(None, None, levels, runs, reason)
-    shares = np.array(below) / np.array([1.0, *below[:-1]])
+        return Estimate(None, None, None, levels, runs, reason, watched.points, watched.found)
+    shares = below / np.array([1.0, *below[:-1]])
     correlated = 1 + np.maximum(np.array(algorithm.getGammaPerStep()), 0.0)
-    return Estimate(below[-1], float(np.sqrt(np.sum((1 - shares) / (shares * size) * correlated))), levels, runs)
+    parts = np.sqrt((1 - shares) / (shares * size) * correlated)
+    return Estimate(float(below[-1]), float(np.sqrt((parts**2).sum())), float(parts.sum()), levels, runs, "",
+                    watched.points, watched.found)
 
 
 def by_weights(watched: Watched, algorithm: Any, reason: str) -> Estimate:
     """The estimate of cross-entropy: the mean of the last level's weights, where those of successes are 0."""
     size, runs = watched.rare.runs_per_level, len(watched.found)
-    thresholds = list(algorithm.getThresholdPerStep())
+    levels = tuple(watched.level(i, float(t), None) for i, t in enumerate(algorithm.getThresholdPerStep()))
     if reason:
-        return Estimate(None, None, tuple(watched.level(i, t, None) for i, t in enumerate(thresholds)), runs, reason)
+        return Estimate(None, None, None, levels, runs, reason, watched.points, watched.found)
     points, failed = watched.points[-size:], watched.found[-size:] <= 0
     ot, fitted = library(), algorithm.getResult().getAuxiliaryDistribution()
     logs = np.array(ot.Normal(points.shape[1]).computeLogPDF(points)) - np.array(fitted.computeLogPDF(points))
@@ -196,6 +213,8 @@ def by_weights(watched: Watched, algorithm: Any, reason: str) -> Estimate:
     counted = np.where(failed, weights, 0.0)
     p = float(counted.mean())
     if p == 0:
-        return Estimate(None, None, (), runs, "all weights of the last level vanish")
-    levels = tuple(watched.level(i, t, p if t <= 0 else None) for i, t in enumerate(thresholds))
-    return Estimate(p, float(counted.std(ddof=1) / math.sqrt(size) / p), levels, runs, weights=weights)
+        return Estimate(None, None, None, levels, runs, "all weights of the last level vanish", watched.points,
+                        watched.found)
+    variation = float(counted.std(ddof=1) / math.sqrt(size) / p)
+    return Estimate(p, variation, variation, (*levels[:-1], replace(levels[-1], probability=p)), runs, "",
+                    watched.points, watched.found, weights)

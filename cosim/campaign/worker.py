@@ -28,6 +28,7 @@ from ..master.whole_file import whole
 from ..temporary import FULL
 from .code import CODE, differences
 from .dispersions import with_values
+from .margin import of_flight
 from .plan import Job
 from .sampling import draw, keeps_signals
 
@@ -57,6 +58,7 @@ class Outcome:
     metrics: dict[str, float] = field(default_factory=dict)
     success: dict[str, bool] = field(default_factory=dict)
     reasons: dict[str, str] = field(default_factory=dict)  # of criteria without a value: why
+    margin: float | None = None  # of what a campaign of rare failures flies towards
     errors: dict[str, np.ndarray] | None = None
     signals: dict[str, np.ndarray] | None = None
 
@@ -66,9 +68,9 @@ class Outcome:
         return self.status == "finished" and all(self.success.values())
 
 
-def requests(job: Job, first: int, last: int) -> Iterator[Request]:
-    """Runs first ... last - 1, of each law."""
-    for k, u in zip(range(first, last), job.sampler.points(first, last)):
+def requests(job: Job, first: int, last: int, points: np.ndarray | None = None) -> Iterator[Request]:
+    """Runs first ... last - 1, of each law; at `points` of the unit cube, else at the sampler's."""
+    for k, u in zip(range(first, last), job.sampler.points(first, last) if points is None else points):
         keep = keeps_signals(job.sampler.seed, k, job.keep_share)
         for law in job.systems:
             drawn = draw(job.draws[law], u)
@@ -217,9 +219,11 @@ class LoadedSystems:
 
     def outcome(self, request: Request, flight: Flight, status: str) -> Outcome:
         """What a flight shows of the request."""
-        metrics, success, reasons = judged(self.job, flight)
         ended = None if flight.finished else flight.reached
-        result = Outcome(request, status, flight.message, flight.ticks, ended, metrics, success, reasons)
+        metrics, success, reasons, margin = judged(self.job, flight)
+        if status == "timed-out":  # which says nothing of the system
+            margin = None
+        result = Outcome(request, status, flight.message, flight.ticks, ended, metrics, success, reasons, margin)
         if request.envelope and self.job.over_time:
             courses = {name: self.job.course(flight, text) for name, text in self.job.over_time.items()}
             result.errors = errors_over_time(courses, self.job.step, self.job.ticks, self.job.start)
@@ -239,8 +243,9 @@ def disk_is_full(error: BaseException | None) -> bool:
     return False
 
 
-def judged(job: Job, flight: Flight) -> tuple[dict[str, float], dict[str, bool], dict[str, str]]:
-    """What a flight shows: metrics, as far as it has them; criteria; why those without a value have none."""
+def judged(job: Job, flight: Flight) -> tuple[dict[str, float], dict[str, bool], dict[str, str], float | None]:
+    """What a flight shows: metrics, as far as it has them; criteria; why those without a value have none; the margin of
+    what is rare, if anything is."""
     @cache
     def course(name: str) -> Course:
         if name not in flight:
@@ -259,7 +264,11 @@ def judged(job: Job, flight: Flight) -> tuple[dict[str, float], dict[str, bool],
             success[name] = bool(parse(text).value(course, found)) and flight.finished
         except ValueError as reason:
             success[name], reasons[name] = False, str(reason)
-    return {name: value for name, value in found.items() if value is not None}, success, reasons
+    margin = None
+    if job.towards:
+        margin = of_flight({name: job.success[name] for name in job.towards}, success, course, found,
+                           None if flight.finished else flight.ticks / job.ticks)
+    return {name: value for name, value in found.items() if value is not None}, success, reasons, margin
 
 
 def errors_over_time(courses: Mapping[str, Course], step: float, ticks: int, start: float = 0.0
@@ -295,9 +304,11 @@ def refusal(address: str, unlike: str) -> str:
     return f"The worker at {address} has other code and may not fly: {unlike}."
 
 
-def fly_batch(key: str, first: int, last: int, positions: list[int] | None = None) -> list[Outcome]:
-    """Fly runs first ... last - 1 of the job `key`, one after the other, or those of them at `positions`."""
-    asked = list(requests(JOBS[key], first, last))
+def fly_batch(key: str, first: int, last: int, positions: list[int] | None = None,
+              points: np.ndarray | None = None) -> list[Outcome]:
+    """Fly runs first ... last - 1 of the job `key`, one after the other, or those of them at `positions`; `points` as
+    in `requests`."""
+    asked = list(requests(JOBS[key], first, last, points))
     with TURN:
         return [guarded(loaded(key), asked[i]) for i in (range(len(asked)) if positions is None else positions)]
 
