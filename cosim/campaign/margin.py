@@ -10,6 +10,9 @@ import sys
 from collections.abc import Mapping
 from itertools import pairwise
 
+import numpy as np
+
+from ..errors import UsageError
 from ..master.evaluate import Courses, value
 from ..master.measures import parse, part
 
@@ -31,8 +34,9 @@ def of(node: ast.expr, course: Courses, metrics: Mapping[str, float | None]) -> 
             return -of(operand, course, metrics)
         case ast.Compare(left=left, ops=ops, comparators=others) if not equality(node):
             try:
-                sides = [float(value(child, course, metrics)) for child in (left, *others)]
-            except (ArithmeticError, LookupError, TypeError, ValueError):
+                with np.errstate(all="ignore"):
+                    sides = [float(value(child, course, metrics)) for child in (left, *others)]
+            except (ArithmeticError, TypeError, UsageError):  # TypeError: a metric is None
                 return -math.inf
             found = [b - a if isinstance(op, UPWARDS) else a - b for a, op, b in zip(sides, ops, sides[1:])]
             return -math.inf if any(map(math.isnan, found)) else min(found)
