@@ -67,7 +67,7 @@ def fly(plan: Plan, store: Store, scheduler: str | None, workers: int | None, tl
     total = plan.campaign.runs * len(plan.laws)
     rows, successes = store.counts()
     began = time.perf_counter()
-    if rows < total:
+    if any(store.missing()):
         with connected(scheduler, workers, tls, dashboard) as client:
             send(client, plan)
             for sentence in check(client, plan) if rows == 0 else ():
@@ -77,9 +77,9 @@ def fly(plan: Plan, store: Store, scheduler: str | None, workers: int | None, tl
             with shown(plan.campaign.name, total, rows, successes,
                        client.dashboard_link if dashboard or (scheduler and on_terminal()) else None) as progress:
                 Engine(client, plan, store, progress).run()
-    flying = time.perf_counter() - began
+    flying, flown = time.perf_counter() - began, store.counts()[0] - rows
     store.finish()
-    return total - rows, flying
+    return flown, flying
 
 
 def import_for_report() -> None:

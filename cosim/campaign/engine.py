@@ -90,12 +90,12 @@ class Engine:
         self.name, self.numbers = uuid.uuid4().hex, count()
 
     def run(self) -> None:
-        """All runs that the store does not have yet.
+        """All runs that the store does not have yet, unless enough are there to stop.
 
         Raises RunError if the cluster is lost, or cannot fly at all.
         """
-        missing = (b for b in self.plan.batches() if b[0] not in self.store.done)
-        while True:
+        missing = self.store.missing()
+        while self.store.front.stopped is None:
             with asking():
                 most = AHEAD * max(1, sum(self.client.nthreads().values()))
             while len(self.flying) < most:
@@ -111,6 +111,8 @@ class Engine:
             with asking():
                 future = next(self.queue)
             self.take(future)
+        with asking():
+            self.client.cancel(list(self.flying))
 
     def submit(self, batch: Batch, positions: list[int], alone: bool = False) -> None:
         """Submit the runs of a batch at `positions`; `alone` if a worker died of the run before."""

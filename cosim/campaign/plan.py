@@ -2,7 +2,6 @@
 import hashlib
 import json
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from os.path import isfile
 from pathlib import Path
@@ -26,6 +25,9 @@ from .dispersions import Fmus, all_draws, all_mixings, checked, constants, with_
 from .sampling import Draw, Sampler
 from .spec import Campaign, Law
 
+# Of these the draws of a run depend on the number of runs. A campaign of any other sampling can grow.
+WHOLE_ONLY = {"latin-hypercube": "A Latin hypercube divides each range into as many strata as there are runs",
+              "grid": "A grid has a run for each of its points"}
 TICKS_PER_TASK, MOST_PER_TASK, LEAST_TASKS = 200_000, 200, 16
 
 
@@ -43,7 +45,7 @@ class Job:
     draws: dict[str, tuple[Draw, ...]]    # of each law: relative draws multiply its own nominal values
     sampler: Sampler
     keep_share: float                     # of the runs: their signals
-    keep_failures: bool
+    most_failures: float                  # of each law: the first so many keep their signals
     decimate: int
     code: dict[str, str]                  # that flies it
 
@@ -93,11 +95,6 @@ class Plan:
         return self.campaign.worst_by or next(iter(n for text in self.campaign.success.values()
                                                    for n in metrics_of(text)), "altitude_error_ft.max_abs")
 
-    def batches(self) -> Iterator[tuple[int, int]]:
-        """First and past-the-last run of each task."""
-        for first in range(0, self.campaign.runs, self.runs_per_task):
-            yield first, min(first + self.runs_per_task, self.campaign.runs)
-
 
 def load(path: Path) -> Plan:
     """The campaign in the file at `path`. Raises UsageError, with line and field, for the first thing that is wrong."""
@@ -134,6 +131,7 @@ def make(campaign: Campaign, source: Source) -> Plan:
         fmus.update({stored[c.name]: c.fmu for c in system.components})
         systems[law.name] = replace(system, components=tuple(
             replace(c, fmu=Path(stored[c.name])) for c in system.components))
+    check_stop_when(source, campaign)
     first = draws[campaign.controllers[0].name]
     sampler = Sampler(campaign.sampling, campaign.seed, campaign.runs, len(first),
                       all_mixings(source, campaign, first))
@@ -143,14 +141,16 @@ def make(campaign: Campaign, source: Source) -> Plan:
         "stop": stop, "runs_per_task": runs_per_task,
         "fmus": {law: {c.name: str(c.fmu) for c in s.components} for law, s in systems.items()}, "code": CODE}
     job = Job(key_of(fingerprint), systems, record, campaign.step, ticks, campaign.algorithm, campaign.success,
-              campaign.timeout_s, draws, sampler, campaign.signals.share, campaign.signals.failures,
+              campaign.timeout_s, draws, sampler, campaign.signals.share, campaign.signals.most_failures,
               campaign.signals.decimate, CODE)
     return Plan(source, campaign, scenario, stop, loops, fixed, job, fmus, fingerprint, runs_per_task)
 
 
 def key_of(fingerprint: dict[str, Any]) -> str:
-    """The key of a campaign: it differs when anything does that determines the rows. `kind` is no part of it."""
-    text = json.dumps({name: value for name, value in fingerprint.items() if name != "kind"}, sort_keys=True)
+    """The key of a campaign: it differs when anything does that determines a row. `kind` is no part of it, nor is the
+    number of runs where a campaign can grow."""
+    without = {"kind", "runs_per_task"} | (set() if fingerprint.get("sampling") in WHOLE_ONLY else {"runs"})
+    text = json.dumps({name: value for name, value in fingerprint.items() if name not in without}, sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()
 
 
@@ -194,6 +194,18 @@ def recorded(source: Source, campaign: Campaign, system: System, files: Fmus) ->
             if len(campaign.controllers) == 1:
                 source.fail(("signals", "record"), f"{pattern} fits no numeric variable")
     return sorted(chosen)
+
+
+def check_stop_when(source: Source, campaign: Campaign) -> None:
+    """Raises UsageError, with line and field, for a rule that cannot end this campaign."""
+    if (rule := campaign.stop_when) is None:
+        return
+    if rule.probability not in ("success", *campaign.success):
+        source.fail(("stop_when", "probability"), f"{rule.probability} is no criterion; there are "
+                    f"{', '.join(dict.fromkeys(('success', *campaign.success)))}")
+    if campaign.sampling != "random":
+        source.fail(("stop_when",), f"it needs sampling: random, not {campaign.sampling}: its confidence is that of "
+                    "independent draws")
 
 
 def task_size(campaign: Campaign, ticks: int) -> int:

@@ -5,7 +5,8 @@ import os
 import tempfile
 import threading
 import time
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterable, Iterator
 from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -222,7 +223,7 @@ class LoadedSystems:
         result = Outcome(request, status, flight.message, flight.ticks, ended, found, success)
         if request.envelope:
             result.errors = errors_over_time(flight, self.job.step, self.job.ticks)
-        if request.keep or (self.job.keep_failures and not result.succeeded):
+        if request.keep or (self.job.most_failures and not result.succeeded):
             rows = sorted({*range(0, len(flight.time), self.job.decimate), len(flight.time) - 1})
             result.signals = {"time": flight.time[rows],
                               **{c.name: flight.signals[rows, i].copy() for i, c in enumerate(flight.columns)}}
@@ -275,7 +276,19 @@ def fly_batch(key: str, first: int, last: int, positions: list[int] | None = Non
     """Fly runs first ... last - 1 of the job `key`, one after the other, or those of them at `positions`."""
     asked = list(requests(JOBS[key], first, last))
     with TURN:
-        return [guarded(loaded(key), asked[i]) for i in (range(len(asked)) if positions is None else positions)]
+        flown = (guarded(loaded(key), asked[i]) for i in (range(len(asked)) if positions is None else positions))
+        return list(first_failures(flown, JOBS[key].most_failures))
+
+
+def first_failures(outcomes: Iterable[Outcome], most: float) -> Iterator[Outcome]:
+    """The outcomes, without the signals of failures after the first `most` of each law."""
+    seen: Counter[str] = Counter()
+    for outcome in outcomes:
+        if outcome.signals is not None and not outcome.succeeded:
+            seen[outcome.request.law] += 1
+            if seen[outcome.request.law] > most and not outcome.request.keep:
+                outcome.signals = None
+        yield outcome
 
 
 def fly_nominal(key: str, law: str) -> Outcome:
