@@ -85,7 +85,7 @@ class Front:
 
 
 def stopping(rule: StopWhen, results: list[Results]) -> dict[str, Any]:
-    """What the report says of the rule: after how many runs it ended, why, and each law's interval by that rule."""
+    """What report.json says of the rule: after how many runs it ended, why, and each law's interval by that rule."""
     sequence = Sequence(rule.half_width)
     intervals = {r.law: sequence.interval(int(r.columns[rule.column].sum()), r.judged, rule.confidence)
                  for r in results}

@@ -106,7 +106,8 @@ def begun(store: Store, said: list[str]) -> dict[str, Any]:
                              f"campaign: --out puts this one elsewhere.")
         said.append(f"{store.head} was missing or damaged; it is written anew.")
         return ours
-    changed = [k for k, v in ours.items() if before.get(k) != v and k not in ("code", "runs", "runs_per_task")]
+    changed = [name for name in {**ours, **before} if name not in ("code", "runs", "runs_per_task")
+               and before.get(name) != ours.get(name)]
     if changed:
         raise other_campaign(store, f"{', '.join(changed)} {'has' if len(changed) == 1 else 'have'} changed since")
     if before.get("runs") != ours["runs"] and (why := WHOLE_ONLY.get(ours["sampling"])):
