@@ -92,14 +92,12 @@ class Engine:
         self.name, self.numbers = uuid.uuid4().hex, count()
 
     def run(self, batches: Iterable[Batch] | None = None) -> None:
-        """All `batches`; without them, all runs that the store does not have yet.
+        """All `batches`; without them, all runs that the store does not have yet, unless enough are there to stop.
 
         Raises RunError if the cluster is lost, or cannot fly at all.
         """
-        if batches is None:
-            batches = (Batch(self.plan, *span) for span in self.plan.batches() if span[0] not in self.store.done)
-        missing = iter(batches)
-        while True:
+        missing = iter(batches) if batches is not None else (Batch(self.plan, *span) for span in self.store.missing())
+        while self.store.front.stopped is None:
             with asking():
                 most = AHEAD * max(1, sum(self.client.nthreads().values()))
             while len(self.flying) < most:
@@ -114,6 +112,8 @@ class Engine:
             with asking():
                 future = next(self.queue)
             self.take(future)
+        with asking():
+            self.client.cancel(list(self.flying))
 
     def submit(self, batch: Batch, positions: list[int], alone: bool = False) -> None:
         """Submit the runs of a batch at `positions`; `alone` if a worker died of the run before."""

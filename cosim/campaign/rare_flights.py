@@ -14,6 +14,7 @@ from ..errors import RunError
 from .engine import Batch, Engine
 from .plan import Plan
 from .rare import Estimate, estimate
+from .receipt import Receipt
 from .sampling import draw
 from .store import Store
 
@@ -24,10 +25,11 @@ def fly(engine: Engine, plan: Plan, store: Store) -> Estimate:
         points = plan.job.sampler.at(normal)
         found = np.empty(len(points))
         missing = []
-        for a, b in spans(plan, first, first + len(points)):
+        for a, b, there in pieces(plan, store, first, first + len(points)):
             mine = slice(a - first, b - first)
-            if a in store.done:
-                found[mine] = known(plan, pq.read_table(store.part("runs", a)), points[mine], store)
+            if there:
+                rows = pq.read_table(store.part("runs", there.first)).slice(a - there.first, b - a)
+                found[mine] = known(plan, rows, points[mine], store)
             else:
                 missing.append(Batch(plan, a, b, points[mine]))
         engine.run(missing)
@@ -36,7 +38,9 @@ def fly(engine: Engine, plan: Plan, store: Store) -> Estimate:
                 np.nan if outcome.margin is None else outcome.margin for outcome in batch.rows]
         return found
 
-    return of(plan, margins)
+    result = of(plan, margins)
+    store.front.stopped = result.runs
+    return result
 
 
 def replayed(store: Store, runs: pa.Table) -> Estimate:
@@ -58,10 +62,19 @@ def of(plan: Plan, margins: Any) -> Estimate:
     return estimate(rare, sampler.dimensions, sampler.seed, margins)
 
 
-def spans(plan: Plan, first: int, last: int) -> Iterator[tuple[int, int]]:
-    """First and past-the-last run of each task of a block."""
-    for a in range(first, last, plan.runs_per_task):
-        yield a, min(a + plan.runs_per_task, last)
+def pieces(plan: Plan, store: Store, first: int, last: int) -> Iterator[tuple[int, int, Receipt | None]]:
+    """First and past-the-last run of each part of a block that is there, with its receipt; of each task for the rest.
+    """
+    at = first
+    for there in [*sorted((r for r in store.done.values() if r.first < last and r.last > first),
+                          key=lambda r: r.first), None]:
+        while at < (there.first if there else last):
+            end = min(there.first if there else last, at + plan.runs_per_task)
+            yield at, end, None
+            at = end
+        if there:
+            yield at, min(there.last, last), there
+            at = min(there.last, last)
 
 
 def known(plan: Plan, rows: pa.Table, points: np.ndarray, store: Store) -> np.ndarray:

@@ -28,6 +28,8 @@ def check_rare(source: Source, campaign: Campaign, draws: Mapping[str, tuple[Dra
                     f"{did_you_mean(str(rare.failure), campaign.success).rstrip('.')}")
     if campaign.sampling != "random":
         source.fail(("sampling",), f"rare chooses its own points: {campaign.sampling} does not belong here")
+    if campaign.stop_when:
+        source.fail(("stop_when",), "rare ends by itself: stop_when does not belong here")
     if campaign.runs != rare.most_runs:
         source.fail(("runs",), f"rare flies {rare.runs_per_level:,} runs_per_level and {rare.most_levels} most_levels: "
                     "leave runs out")

@@ -5,7 +5,8 @@ import os
 import tempfile
 import threading
 import time
-from collections.abc import Iterator, Mapping
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -25,7 +26,8 @@ from ..master.system import System, Value
 from ..master.whole_file import whole
 from ..temporary import FULL
 from .code import CODE, differences
-from .criteria import courses, judged
+from .criteria import courses as signals_of
+from .criteria import judged
 from .dispersions import with_values
 from .margin import of_flight
 from .plan import Job
@@ -222,13 +224,13 @@ class LoadedSystems:
         ended = None if flight.finished else flight.reached
         margin = None
         if self.job.towards and status != "timed-out":  # which says nothing of the system
-            margin = of_flight({name: self.job.success[name] for name in self.job.towards}, success, courses(flight),
-                               metrics, None if flight.finished else flight.ticks / self.job.ticks)
+            margin = of_flight({name: self.job.success[name] for name in self.job.towards}, success,
+                               signals_of(flight), metrics, None if flight.finished else flight.ticks / self.job.ticks)
         result = Outcome(request, status, flight.message, flight.ticks, ended, metrics, success, reasons, margin)
         if request.envelope and self.job.over_time:
             courses = {name: self.job.course(flight, text) for name, text in self.job.over_time.items()}
             result.errors = errors_over_time(courses, self.job.step, self.job.ticks, self.job.start)
-        if request.keep or (self.job.keep_failures and not result.succeeded):
+        if request.keep or (self.job.most_failures and not result.succeeded):
             rows = sorted({*range(0, len(flight.time), self.job.decimate), len(flight.time) - 1})
             result.signals = {"time": flight.time[rows],
                               **{c.name: flight.signals[rows, i].copy() for i, c in enumerate(flight.columns)}}
@@ -283,7 +285,19 @@ def fly_batch(key: str, first: int, last: int, positions: list[int] | None = Non
     in `requests`."""
     asked = list(requests(JOBS[key], first, last, points))
     with TURN:
-        return [guarded(loaded(key), asked[i]) for i in (range(len(asked)) if positions is None else positions)]
+        flown = (guarded(loaded(key), asked[i]) for i in (range(len(asked)) if positions is None else positions))
+        return list(first_failures(flown, JOBS[key].most_failures))
+
+
+def first_failures(outcomes: Iterable[Outcome], most: float) -> Iterator[Outcome]:
+    """The outcomes, without the signals of failures after the first `most` of each law."""
+    seen: Counter[str] = Counter()
+    for outcome in outcomes:
+        if outcome.signals is not None and not outcome.succeeded:
+            seen[outcome.request.law] += 1
+            if seen[outcome.request.law] > most and not outcome.request.keep:
+                outcome.signals = None
+        yield outcome
 
 
 def fly_nominal(key: str, law: str) -> Outcome:

@@ -55,6 +55,8 @@ def table(summary: dict[str, Any]) -> dict[str, Any]:
         if found["failures"]["machinery"]:
             rows[f"not judged, {law}"] = f"{found['failures']['machinery']:,} of {found['runs']:,} runs: " + ", ".join(
                 f"{status} {count:,}" for status, count in found["statuses"].items() if status not in summary["judged"])
+    if stopped := summary.get("stopped"):
+        rows["ended"] = f"after {stopped['after_runs']:,} runs: {stopped['why']}"
     return {**rows, "interval": summary["interval"], "wall_s": summary["wall_s"], "report": summary["report"]}
 
 
