@@ -110,11 +110,16 @@ def show(summary: dict[str, Any]) -> None:
     """Tables: the fit, its parameters, its signals."""
     report({"system": summary["system"], "flights": len(summary["flights"]), "flown": summary["flown"],
             "reduced chi square": summary["reduced_chi_square"], "out": summary["out"]}, False)
-    report_rows({name: {"value": f"{found['value']:.6g} {found['unit']}".rstrip(), "95 % interval": interval(found),
-                        "start": found["start"]} for name, found in summary["parameters"].items()})
-    report_rows({name: {"rms before": shown(found["rms_before"]), "rms after": shown(found["rms_after"]),
-                        f"noise level ({found['noise_from']})": found["noise"], "unit": found["unit"] or "1"}
-                 for name, found in summary["signals"].items()})
+    parameters = summary["parameters"].items()
+    report_rows({"value": {name: f"{found['value']:.6g}" for name, found in parameters},
+                 "95 % interval": {name: interval(found) for name, found in parameters},
+                 "start": {name: f"{found['start']:.6g}" for name, found in parameters},
+                 "unit": {name: found["unit"] or "1" for name, found in parameters}})
+    signals = summary["signals"].items()
+    report_rows({"rms before": {name: shown(found["rms_before"]) for name, found in signals},
+                 "rms after": {name: shown(found["rms_after"]) for name, found in signals},
+                 "noise level": {name: f"{found['noise']:.4g}, {found['noise_from']}" for name, found in signals},
+                 "unit": {name: found["unit"] or "1" for name, found in signals}})
     for flight in summary["flights"][:1]:
         if flight["command"]:
             print(f"{flight['file']} with these values: {flight['command']}")

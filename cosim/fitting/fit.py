@@ -1,6 +1,6 @@
 """Parameters of a system fitted to measured flights, from words to a folder of results: what `ahv fit` does."""
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import ceil, isfinite
 from typing import Any
 
@@ -99,10 +99,9 @@ def asked(subject: Subject, data: Sequence[str], parameters: Sequence[str], sign
     words = [[*(word for place, word in owned if place is None), *mine] for mine in own]
     systems = [subject.build(mine) for mine in words]
     with open_files(systems[0]) as files:
-        for system in systems:
-            for c in system.components:
-                for name, value in c.values.items():
-                    files[c.name].checked(name, value, c.name)
+        systems = [replace(system, components=tuple(c.with_values(
+            {name: files[c.name].checked(name, value, c.name) for name, value in c.values.items()})
+            for c in system.components)) for system in systems]
         known = Known(files, checked_connections(systems[0], files), found.alone)
         levels = noise_levels(signals, known)
         begin = found.system.start if start is None else start
@@ -213,7 +212,8 @@ def told(request: Asked, rows: Rows, before: np.ndarray, after: np.ndarray, foun
         "reduced_chi_square": sure.variance, "settled": best.settled,
         "starts": [{"begun_at": dict(zip(names, map(float, one.begun))),
                     "ended_at": dict(zip(names, map(float, one.point))), "cost": one.cost} for one in found],
-        "flown": problem.flown, "lost": len(problem.lost), "warnings": [*doubts, *sure.remarks, *lost]}
+        "flown": problem.flown, "lost": len(problem.lost), "remarks": request.remarks,
+        "warnings": [*doubts, *sure.remarks, *lost]}
 
 
 def number(value: float) -> float | None:

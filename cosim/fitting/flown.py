@@ -21,6 +21,7 @@ from ..master.system import System
 from ..master.table import Table
 from ..processes import PARENT_DEATH, prctl
 
+ENDLESS = 1e100  # a value that counts as infinite: the square of what is less is a number
 Trial = tuple[int, dict[str, float]]  # the flight's place, and component.variable -> value
 
 
@@ -129,7 +130,7 @@ def shown(flight: Flight, wanted: Mapping[str, np.ndarray], step: float) -> np.n
         near = np.where(np.abs(times - last) < 1e-6 * step, last, times)  # the last row's time may be rounded
         found.append(course.at(near))
     values = np.concatenate(found)
-    return np.where(np.isfinite(values), values, np.nan)
+    return np.where(np.abs(values) < ENDLESS, values, np.nan)
 
 
 # --- in processes of their own ----------------------------------------------------------------------------------------
