@@ -8,6 +8,7 @@ import numpy as np
 import pyarrow as pa
 
 from ..errors import RunError, UsageError
+from ..master.algorithms import method
 from ..master.connections import checked_connections
 from ..master.fly import tick_count
 from ..master.fmu import FmuFile
@@ -92,8 +93,11 @@ def asked(subject: Subject, data: Sequence[str], parameters: Sequence[str], sign
             raise UsageError(f"{file} is given twice.")
     if time_limit is not None and not time_limit > 0:
         raise UsageError(f"--time-limit {time_limit:g} must be a positive number of seconds.")
+    if step is not None and not (step > 0 and isfinite(step)):
+        raise UsageError(f"--step {step:g} must be a positive number of seconds.")
     if tolerance is not None and not (tolerance > 0 and isfinite(tolerance)):
         raise UsageError(f"--tolerance {tolerance:g} must be a positive number.")
+    method(algorithm or ALGORITHM)
     found, owned = subject.found, [owner(word, data) for word in values]
     own = [[word for place, word in owned if place == k] for k in range(len(data))]
     words = [[*(word for place, word in owned if place is None), *mine] for mine in own]
