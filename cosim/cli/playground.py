@@ -9,10 +9,10 @@ from .options import place
 
 
 def playground(
-    out: Annotated[Path, typer.Option(metavar="FILE.html", parser=place, show_default=False,
-                                      help="The page; else results/playground.html.")] = Path("results/playground.html"),
+    out: Annotated[Path | None, typer.Option(metavar="FILE.html", parser=place,
+                                             help="The page; else results/playground.html.")] = None,
 ) -> None:
     """Write a page that flies the closed loop in a browser, with sliders for what can be set (docs/playground.md)."""
     from ..playground.write import playground as write
 
-    print(write(out), file=sys.stderr)
+    print(write(out or Path("results", "playground.html")), file=sys.stderr)

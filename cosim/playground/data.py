@@ -1,4 +1,4 @@
-"""What the page knows: cases, laws, plants, their FMUs' variables and presets, metrics, and the master's lists of calls.
+"""What the page knows: cases, laws, plants, their FMUs' variables and presets, metrics, the master's lists of calls.
 
 All of it is read from the FMUs, the registry and the master; the page has no table of its own but layout.json.
 """
@@ -7,7 +7,7 @@ from typing import Any
 
 from ..master import program as P
 from ..master.algorithms import method
-from ..master.algorithms.base import Experiment
+from ..master.algorithms.base import Experiment, Fixed
 from ..master.course import terms
 from ..master.declared import Variable
 from ..master.description import Description
@@ -82,10 +82,10 @@ def plan(system: System) -> Plan:
         master = Master(system, files)
         try:
             chosen = method(ALGORITHM)
-            experiment = Experiment(0.0, STEP, 1, Recorder(master.columns))
-            rows = chosen.algorithm(master, chosen.options, experiment).ops
+            algorithm = chosen.algorithm(master, chosen.options, Experiment(0.0, STEP, 1, Recorder(master.columns)))
+            assert isinstance(algorithm, Fixed)  # the same calls on every tick
             return {"initial": [batch(master, names) for (names,) in master.exchanged],
-                    "tick": [call(master, code, index) for code, index, *_ in rows.tolist()],
+                    "tick": [call(master, code, index) for code, index, *_ in algorithm.ops.tolist()],
                     "columns": [column.name for column in master.columns]}
         finally:
             master.close()

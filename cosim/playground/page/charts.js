@@ -6,6 +6,7 @@ const COLOURS = { // Okabe and Ito's, those that can be seen on white and on bla
   dark: ["#56b4e9", "#e69f00", "#2bd4a0", "#e09ac4", "#f0e442"],
 };
 const DASHES = [[], [8, 4], [2, 3], [10, 3, 2, 3], [5, 2]];
+const STYLES = ["solid", "dashed", "dotted", "dashed", "dashed"]; // the same as CSS has them
 const INKS = { light: { text: "#333", grid: "#0001", old: "#9a9a9a", level: "#767676" },
                dark: { text: "#ddd", grid: "#fff2", old: "#757575", level: "#8f8f8f" } };
 const dark = matchMedia("(prefers-color-scheme: dark)");
@@ -34,10 +35,11 @@ class Charts {
     this.plots = this.panels.map((panel, i) => new uPlot(this.options(panel), [[], ...this.lines(panel).map(() => [])], this.frames[i][1]));
   }
 
-  // Each line twice: of the last flight, unless it is given from outside, then of this one.
+  // Each line twice: of the last flight, unless it is given from outside, then of this one. The first is wide, so that it
+  // is seen under a dashed one that covers it.
   lines(panel) {
     return [...panel.lines.filter(line => !line.given).map(line => ({ line, flight: 1 })),
-            ...panel.lines.map(line => ({ line, flight: 0 })).reverse()];
+            ...panel.lines.map(line => ({ line, flight: 0 }))];
   }
 
   size() {
@@ -48,15 +50,15 @@ class Charts {
   options(panel) {
     const inks = INKS[theme()], colours = COLOURS[theme()];
     const axis = { stroke: inks.text, grid: { stroke: inks.grid, width: 1 }, ticks: { stroke: inks.grid }, font: "12px system-ui, sans-serif" };
-    const series = this.lines(panel).map(({ line, flight }) => {
+    const lines = this.lines(panel), series = lines.map(({ line, flight }) => {
       const number = panel.lines.indexOf(line);
-      return { label: line.name, show: true, points: { show: false }, spanGaps: true, width: flight ? 1.5 : 1.75,
-               stroke: flight ? inks.old : colours[number], dash: DASHES[number].map(length => length * devicePixelRatio / 1.5),
+      return { label: line.name, show: true, points: { show: false }, spanGaps: true, width: flight ? 1.5 : number || panel.lines.length === 1 ? 1.75 : 3,
+               pxAlign: 0, stroke: flight ? inks.old : colours[number], dash: DASHES[number].map(length => length * devicePixelRatio / 1.5),
                scale: "y", auto: true, value: (_, value) => value === null || value === undefined ? "" : figure(value, 6) };
     });
     return {
       ...this.size(), series: [{ label: "t", value: (_, value) => value === null ? "" : `${figure(value, 5)} s` }, ...series],
-      legend: { live: true }, scales: { x: { time: false, range: () => this.span() }, y: { range: (_, low, high) => this.range(panel, low, high) } },
+      pxAlign: 0, legend: { live: true, markers: { width: 2, dash: (_, i) => STYLES[panel.lines.indexOf(lines[i - 1]?.line)] ?? "solid" } }, scales: { x: { time: false, range: () => this.span() }, y: { range: (_, low, high) => this.range(panel, low, high) } },
       axes: [{ ...axis, size: 28, values: (_, splits) => splits.map(x => `${x}`) }, { ...axis, size: 58 }],
       cursor: { sync: { key: "time", setSeries: false }, drag: { x: true, y: false, setScale: false }, points: { size: 6 },
                 bind: { dblclick: () => () => { this.zoomed(null); return null; } } },
@@ -70,9 +72,10 @@ class Charts {
         drawAxes: [plot => this.marks(plot, panel)],
         init: [plot => { // the legend's rows of the last flight say nothing new
           plot.root.querySelectorAll(".u-legend .u-series").forEach((row, i) => {
-            if (i && this.lines(panel)[i - 1].flight) row.hidden = true;
+            if (!i || lines[i - 1].flight) row.hidden = true;
           });
         }],
+        setLegend: [plot => { plot.root.querySelector(".u-legend .u-series").hidden = plot.cursor.idx === null; }],
       },
     };
   }

@@ -14,7 +14,7 @@ class Controls {
   // Builds the form anew where what can be set has changed, else only sets its values.
   show(state) {
     this.state = state;
-    const kind = [state.law, state.plant].join();
+    const kind = [state.case, state.law, state.plant, state.preset, state.plantPreset].join(); // what ranges depend on
     if (kind !== this.kind) {
       this.kind = kind;
       const focus = document.activeElement?.id;

@@ -100,7 +100,7 @@ function fromLink() {
   if (left) speak(`${left} ${left === 1 ? "part" : "parts"} of the link could not be used.`);
 }
 
-for (const [list, kind] of [[about.layout.examples, "main"], [about.layout.more_examples, "plain"]])
+for (const [list, kind] of [[about.layout.examples, "main"], [about.layout.more_examples, "other"]])
   for (const { name, state: fragment } of list) {
     const button = make("button", { type: "button", class: kind, textContent: name });
     button.addEventListener("click", () => change(fromFragment(about, fragment).state));

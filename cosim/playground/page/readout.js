@@ -7,7 +7,7 @@ function outcome(flight) {
 }
 
 function showFlight(about, flight, last) {
-  at("verdict").className = flight.finished ? "flown" : "departed";
+  at("view").className = flight.finished ? "flown" : "departed";
   at("outcome").textContent = outcome(flight);
   const error = flight.metrics["altitude_error_ft.max_abs"], travel = flight.metrics["elevator_deg.travel"];
   const figures = `Largest altitude error ${figure(error)} ft, elevator travel ${figure(travel)}°, computed in ${Math.round(flight.took)} ms.`;
@@ -21,7 +21,7 @@ function showFlight(about, flight, last) {
 }
 
 function showRefusal(text) {
-  at("verdict").className = "refused";
+  at("view").className = "refused";
   at("outcome").textContent = "Not flown";
   at("why").textContent = text;
 }

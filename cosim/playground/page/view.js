@@ -24,5 +24,9 @@ function viewOf(variable, period) {
   return { unit: variable.unit, to: value => value, from: shown => shown };
 }
 
-// A number for people: so many digits, without an exponent where that is short enough.
-const figure = (value, digits = 4) => value === null || value === undefined ? "–" : short(value, digits).replace("-", "−");
+// A number for people: so many digits, and no exponent below a million.
+function figure(value, digits = 4) {
+  if (value === null || value === undefined) return "–";
+  const size = Math.abs(value);
+  return (size >= 10 ** digits && size < 1e6 ? String(Math.round(value)) : short(value, digits)).replace("-", "−");
+}
