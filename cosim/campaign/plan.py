@@ -20,6 +20,7 @@ from ..yaml_file import Source
 from .code import CODE
 from .criteria import check_measures
 from .dispersions import Fmus, all_draws, all_mixings, checked, constants, with_values
+from .labels import Label, labels_of
 from .sampling import Draw, Sampler
 from .spec import Campaign
 from .subject import Figure, Measure, Subject, SystemSubject, TakeCourse, nothing, signal
@@ -71,6 +72,7 @@ class Plan:
     fmus: dict[str, Path]                 # SHA256/FILE.fmu -> the file
     fingerprint: dict[str, Any]           # what determines the rows
     runs_per_task: int
+    labels: dict[str, Label]              # of what is drawn and what is recorded
 
     @property
     def path(self) -> Path:
@@ -159,12 +161,14 @@ def make(campaign: Campaign, source: Source, kind: type[Subject]) -> Plan:
         method(subject.algorithm)
     systems, record, draws, fmus = {}, {}, {}, {}
     signals: set[str] = set()
+    labels: dict[str, Label] = {}
     for variant, system in subject.systems.items():
         with open_files(system) as files:
             driven = check_values(source, campaign, subject, variant, system, files)
             draws[variant] = all_draws(source, campaign, system, files, driven)
             signals |= recorded_names(system, dict(files), ["*"])
             record[variant] = recorded(source, campaign, subject, system, files)
+            labels |= labels_of([*(d.name for d in draws[variant]), *record[variant]], files)
             fixed = constants(source, campaign, files)
             system = with_values(system, fixed)
             stored = {c.name: f"{files[c.name].sha256}/{c.fmu.name}" for c in system.components}
@@ -187,7 +191,7 @@ def make(campaign: Campaign, source: Source, kind: type[Subject]) -> Plan:
               campaign.signals.decimate, CODE, subject.start, subject.tolerance, campaign.metrics,
               {name: expression for name, (_, expression) in subject.over_time.items()}, subject.measure,
               subject.course)
-    return Plan(source, campaign, subject, fixed, job, fmus, fingerprint, runs_per_task)
+    return Plan(source, campaign, subject, fixed, job, fmus, fingerprint, runs_per_task, labels)
 
 
 def key_of(fingerprint: dict[str, Any]) -> str:
