@@ -24,7 +24,7 @@ def small(label: str, time: np.ndarray, values: np.ndarray) -> str:
     x = (time - time[0]) / max(time[-1] - time[0], 1e-300) * WIDTH
     y = HEIGHT - (values - low) / max(high - low, 1e-300) * HEIGHT
     points = " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(x, y))
-    ends = f"{low:.4g} to {high:.4g}, {time[0]:.4g} to {time[-1]:.4g} s"
+    ends = f"{low:.6g} to {high:.6g}, {time[0]:.6g} to {time[-1]:.6g} s"
     name = escape(label, quote=True)
     return (f"<figure><svg viewBox='0 -2 {WIDTH} {HEIGHT + 4}' role=img aria-label='{name}: {ends}'>"
             f"<polyline points='{points}'/></svg><figcaption>{name}<br>{ends}</figcaption></figure>")

@@ -24,7 +24,7 @@ th, td { padding: .25em .8em; text-align: right; border-bottom: 1px solid #ddd; 
 th:first-child, td:first-child { text-align: left; }
 img { width: 100%; height: auto; }
 pre { background: #f4f4f4; padding: .5em; font-size: 12px; white-space: pre-wrap; overflow-wrap: anywhere; margin: 0; }
-.commands td, .commands th { text-align: left; font-size: 14px; }
+.commands td, .commands th, .words td, .words th { text-align: left; font-size: 14px; }
 .note { color: #555; }
 .curves { display: flex; flex-wrap: wrap; gap: 1em; } .curves figure { margin: 0; width: 220px; font-size: 12px; }
 .curves polyline { fill: none; stroke: #2471a3; stroke-width: 1.2; } summary { cursor: pointer; }
@@ -111,7 +111,7 @@ def introduction(plan: Plan) -> str:
             f"{escape(subject.remark)}.</p>"
             f"{f'<p>Metrics of this campaign:</p>{own}' if campaign.metrics else ''}"
             f"<p>A run is a success if it reaches the end and</p>{success}"
-            f"<details><summary>What is uncertain</summary>{table(['drawn', 'meaning', 'unit', 'from'], rows)}"
+            f"<details><summary>What is uncertain</summary>{table(['drawn', 'meaning', 'unit', 'from'], rows, 'words')}"
             f"{f'<p>Correlated:</p>{correlated}' if campaign.correlations else ''}</details>")
 
 
@@ -149,13 +149,19 @@ def side_by_side(plan: Plan, summary: dict[str, Any]) -> str:
         *([status, *(f"{x['statuses'].get(status, 0):,}" for x in found.values())] for status in statuses)]
     for name in plan.headlines:
         for key in ("median", "p95"):
-            rows.append([f"{name}, {key}", *(x["metrics"].get(name, {}).get(key, "") for x in found.values())])
+            rows.append([f"{with_unit(plan, name)}, {key}", *(x["metrics"].get(name, {}).get(key, "") for x in found.values())])
     pairs = "".join(f"<p>{escape(both)} on the same draws: {escape(counts_text(counts))}.</p>"
                     for both, counts in summary["paired"].items())
     return (f"<h2>The {noun}s side by side</h2><p class=note>Runs that finished or departed are judged. A run that "
             f"could not start, took too long or crashed is a failure of the machinery: it says nothing of the {noun}."
             "</p>"
             + table(["", *found], rows) + pairs)
+
+
+def with_unit(plan: Plan, metric: str) -> str:
+    """A metric's name, with its unit where it has one."""
+    unit = plan.metrics[metric].unit
+    return f"{metric} ({unit})" if unit else metric
 
 
 def percent(share: float | None) -> str:
@@ -196,4 +202,4 @@ def commands(plan: Plan, runs: list[dict[str, Any]], curves: Curves) -> str:
         pictures = curves.of(row["run"], row[plan.subject.column])
         opened = f"<details><summary>curves</summary><div class=curves>{pictures}</div></details>" if pictures else ""
         rows.append([str(row["run"]), ended, *shown, f"<pre>{escape(command(plan, row))}</pre>{opened}"])
-    return table(["run", "ended", *([by] if by else []), "command"], rows, "commands")
+    return table(["run", "ended", *([with_unit(plan, by)] if by else []), "command"], rows, "commands")
