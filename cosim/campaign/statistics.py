@@ -8,14 +8,19 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.compute
 
+from .sequential import Sequence
+
 MOST_PHASES = 6
 EXPLAINED = "failure_explained"  # in report.json
 FEWEST, MOST_GROUPS = 30, 20  # runs that are grouped, and groups of them
 JUDGED = ("finished", "departed")  # statuses that say something of the law; the others are failures of the machinery
 
 
-def interval_text(sampling: str) -> str:
-    """What `interval` is worth with a kind of sampling."""
+def interval_text(sampling: str, sequence: Sequence | None = None) -> str:
+    """What an interval is worth with a kind of sampling, or with a rule that ends the campaign."""
+    if sequence:
+        return ("at least 95 % confidence, whatever ended the campaign (a confidence sequence: the beta-binomial "
+                "mixture of Robbins, in the form of Howard and others)")
     text = "at least 95 % confidence (Clopper and Pearson, for independent draws)"
     return text if sampling == "random" else \
         f"{text}; {sampling} draws lie more evenly, so that the interval is often wider than it need be"
@@ -99,16 +104,17 @@ class Results:
     table: pa.Table                 # of the judged runs
     others: pa.Table                # the failures of the machinery
     column: str                     # that names the law
+    sequence: Sequence | None = None  # its intervals, where a rule ended the campaign
 
     @classmethod
-    def of(cls, law: str, table: pa.Table, column: str) -> "Results":
+    def of(cls, law: str, table: pa.Table, column: str, sequence: Sequence | None = None) -> "Results":
         """The rows of `law` in a table of all laws, which are named in `column`."""
         mine = table.filter(pa.compute.equal(table[column], law))
         known = pa.compute.is_in(mine["status"], pa.array(JUDGED))
         judged = mine.filter(known)
         return cls(law, {f.name: judged[f.name].to_numpy() for f in judged.schema
                          if pa.types.is_floating(f.type) or pa.types.is_boolean(f.type)},
-                   judged, mine.filter(pa.compute.invert(known)), column)
+                   judged, mine.filter(pa.compute.invert(known)), column, sequence)
 
     @property
     def runs(self) -> int:
@@ -129,6 +135,11 @@ class Results:
     def probability(self) -> float | None:
         """The share of successes of the judged runs; None without any."""
         return self.successes / self.judged if self.judged else None
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """An interval for the probability of success with at least 95 % confidence."""
+        return (self.sequence.interval if self.sequence else interval)(self.successes, self.judged)
 
     def statuses(self) -> dict[str, int]:
         """How many runs ended with each status."""
@@ -168,7 +179,7 @@ class Results:
                                    "max": float(values.max())}
         return {"runs": self.runs, "judged": self.judged, "successes": self.successes,
                 "failures": {noun: self.judged - self.successes, "machinery": self.runs - self.judged},
-                "probability": self.probability, "interval_95": list(interval(self.successes, self.judged)),
+                "probability": self.probability, "interval_95": list(self.interval),
                 "statuses": self.statuses(), "metrics": quantiles, "drivers": self.drivers(draws, metric)}
 
 
