@@ -22,8 +22,9 @@ from ..vehicle.scenarios import Scenario
 from ..yaml_file import Source
 from .code import CODE
 from .criteria import metrics_of
-from .dispersions import Fmus, all_draws, all_mixings, checked, constants, with_values
-from .sampling import Draw, Sampler
+from .dispersions import Fmus, all_draws, all_mixings, checked, constants, opened, run_count, with_measured, with_values
+from .samples import Samples
+from .sampling import Draw, Sampler, free
 from .spec import Campaign, Law
 
 TICKS_PER_TASK, MOST_PER_TASK, LEAST_TASKS = 200_000, 200, 16
@@ -119,6 +120,8 @@ def make(campaign: Campaign, source: Source) -> Plan:
         ticks = tick_count(campaign.step, stop)
     with source.at("algorithm"):
         method(campaign.algorithm)
+    campaign, hashes = with_measured(source, written := campaign)
+    samples: Samples | None = None
     systems, record, draws, fmus, loops = {}, {}, {}, {}, {}
     for i, law in enumerate(campaign.controllers):
         with source.at("controllers", i):
@@ -126,7 +129,8 @@ def make(campaign: Campaign, source: Source) -> Plan:
             system, loops[law.name] = loop.system, loop
         with open_files(system) as files:
             check_values(source, campaign, law, i, system, files)
-            draws[law.name] = all_draws(source, campaign, system, files)
+            samples = samples or opened(source, campaign, files)
+            draws[law.name] = all_draws(source, campaign, system, files, samples)
             record[law.name] = recorded(source, campaign, system, files)
             fixed = constants(source, campaign, files)
             system = with_values(system, fixed)
@@ -135,13 +139,20 @@ def make(campaign: Campaign, source: Source) -> Plan:
         systems[law.name] = replace(system, components=tuple(
             replace(c, fmu=Path(stored[c.name])) for c in system.components))
     first = draws[campaign.controllers[0].name]
-    sampler = Sampler(campaign.sampling, campaign.seed, campaign.runs, len(first),
-                      all_mixings(source, campaign, first))
+    written, campaign = (c.model_copy(update={"runs": run_count(source, campaign, samples, first)})
+                         for c in (written, campaign))
+    sampler = Sampler(campaign.sampling, campaign.seed, campaign.runs, len(free(first)),
+                      all_mixings(source, campaign, first), samples)
     runs_per_task = campaign.runs_per_task or task_size(campaign, ticks * len(systems))
+    if samples is not None:
+        hashes[samples.file] = samples.sha256
+        fmus[samples.stored] = samples.path
     fingerprint = {
-        **campaign.model_dump(mode="json", exclude={"name", "worst_by"}), "scenario": scenario.model_dump(mode="json"),
+        **written.model_dump(mode="json", exclude={"name", "worst_by"}), "scenario": scenario.model_dump(mode="json"),
         "stop": stop, "runs_per_task": runs_per_task,
         "fmus": {law: {c.name: str(c.fmu) for c in s.components} for law, s in systems.items()}, "code": CODE}
+    if hashes:
+        fingerprint["files"] = hashes
     job = Job(key_of(fingerprint), systems, record, campaign.step, ticks, campaign.algorithm, campaign.success,
               campaign.timeout_s, draws, sampler, campaign.signals.share, campaign.signals.failures,
               campaign.signals.decimate, CODE)

@@ -219,7 +219,7 @@ def load(path: Path, file: str, columns: tuple[Column, ...]) -> Samples:
         (folder.path / stored).parent.mkdir()
         draft.rename(folder.path / stored)
     found = Samples(file, sha256_of(path), rows, columns, stored, folder.path)
-    weakref.finalize(found, folder.close)
+    weakref.finalize(found, folder.__exit__)  # which holds the folder until then
     return found
 
 

@@ -6,9 +6,10 @@ many strata as there are runs, so there a run also depends on their number.
 import math
 import warnings
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import repeat
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -95,6 +96,10 @@ class Sampler:
     mixings: tuple[Mixing, ...] = ()
     samples: Samples | None = None
 
+    def at(self, folder: Path) -> "Sampler":
+        """The same where the samples are below `folder`."""
+        return self if self.samples is None else replace(self, samples=self.samples.at(folder))
+
     @cached_property
     def hypercube(self) -> np.ndarray:
         """All runs' points of a Latin hypercube, which comes as a whole only; shape (runs, dimensions)."""
@@ -148,6 +153,11 @@ def draw(draws: Iterable[Draw], u: Any) -> dict[str, Value]:
     return {d.name: d.value(float(x)) for d, x in zip(draws, u)}
 
 
+def free(draws: Iterable[Draw]) -> tuple[Draw, ...]:
+    """Those that samples do not give."""
+    return tuple(d for d in draws if not isinstance(d.distribution, Given))
+
+
 def on_grid(draws: Sequence[Draw], k: int) -> dict[str, Value]:
     """The values of run k in the full grid of all levels, by the draws' names; those of the last draw change first."""
     at = np.unravel_index(k, [len(d.levels) for d in draws])
@@ -156,11 +166,11 @@ def on_grid(draws: Sequence[Draw], k: int) -> dict[str, Value]:
 
 def drawn(sampler: Sampler, draws: tuple[Draw, ...], first: int, last: int) -> Iterator[dict[str, Value]]:
     """The values of runs first ... last - 1, by the draws' names: from rows of samples, a grid, or points."""
-    free = [d for d in draws if not isinstance(d.distribution, Given)]
+    ours = free(draws)
     rows = repeat({}) if sampler.samples is None else sampler.samples.read(first, last)
     if sampler.sampling == "grid":
-        found: Iterable[dict[str, Value]] = (on_grid(free, k) for k in range(first, last))
+        found: Iterable[dict[str, Value]] = (on_grid(ours, k) for k in range(first, last))
     else:
-        found = (draw(free, u) for u in sampler.points(first, last)) if free else repeat({}, last - first)
+        found = (draw(ours, u) for u in sampler.points(first, last)) if ours else repeat({}, last - first)
     for values, row in zip(found, rows):
         yield {**row, **values}
