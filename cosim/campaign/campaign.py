@@ -1,7 +1,7 @@
 """A campaign from its file to its report: what `ahv campaign` does."""
 import logging
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from importlib import import_module
 from pathlib import Path
@@ -15,6 +15,7 @@ from .plan import Plan, load
 from .progress import note, on_terminal, shown
 from .resume import prepare
 from .store import CONTINUE, Store
+from .subject import Subject
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -22,21 +23,21 @@ if TYPE_CHECKING:
 
 def campaign(path: Path, out: Path | None = None, scheduler: str | None = None, resume: bool = False,
              workers: int | None = None, tls: tuple[Path, Path, Path] | None = None,
-             dashboard: bool = False) -> dict[str, Any]:
+             dashboard: bool = False, subjects: Sequence[type[Subject]] = ()) -> dict[str, Any]:
     """Fly the campaign in the file at `path` and write its results; a summary as JSON goes.
 
     `tls` are the files of CA, certificate and key for a `scheduler`; `dashboard` opens Dask's on the cluster of this
-    machine, for everybody who can reach the port. Raises UsageError before any run flies if the file cannot be flown;
+    machine, for everybody who can reach the port; `subjects` is what the file may be about beside a system's file. Raises UsageError before any run flies if the file cannot be flown;
     RunError if the cluster was lost, the disk is full or the report cannot be drawn: what was flown is kept.
     """
     began = time.perf_counter()
     if tls and not (scheduler or "").startswith("tls://"):
         raise UsageError(f"--tls-ca, --tls-cert and --tls-key are for a --scheduler tls://..., not {scheduler}.")
-    plan = load(path)
+    plan = load(path, *subjects)
     with claimed(out, "campaign", plan.campaign.name) as folder:
         store = Store(folder, plan)
         try:
-            for sentence in prepare(store, resume, path.read_text()):
+            for sentence in (*plan.subject.remarks, *prepare(store, resume, path.read_text())):
                 note(sentence)
             flown, flying_s = (0, 0.0) if store.complete else fly(plan, store, scheduler, workers, tls, dashboard)
             summary = reported(store)

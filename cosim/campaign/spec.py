@@ -4,8 +4,7 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BaseModel, Field, field_validator, model_validator
 
 from .. import names
-from ..vehicle.closed_loop import law_name
-from .criteria import Criterion
+from ..master.measures import parse
 from .distributions import (
     Choice,
     Empirical,
@@ -22,6 +21,8 @@ from .distributions import (
     Whole,
 )
 
+Readable = Annotated[str, AfterValidator(lambda text: parse(text).text)]  # an expression
+MetricName = Annotated[str, Field(pattern=r"^[^\W\d]\w*(\.[^\W\d]\w*)*$")]
 Name = Annotated[str, Field(pattern=r"^\w+\.[^\s=]+$")]  # component.variable
 
 
@@ -104,19 +105,6 @@ class Correlation(Strict):
         return self
 
 
-class Law(Strict):
-    """A controller to fly, by a word or as NAME=FILE.fmu; `name` tells two presets of one law apart."""
-    law: str
-    preset: str | None = Field(default=None, description="else the scenario's, or the law's own")
-    name: str = ""
-    set: dict[Name, Finite | bool | str] = Field(default={})
-
-    @field_validator("name")
-    @classmethod
-    def is_name(cls, value: str) -> str:
-        return names.checked(value) if value else value
-
-
 class Signals(Strict):
     """Whose signals are kept: of a share of the runs, and of the failures."""
     share: float = Field(default=0.0, ge=0, le=1)
@@ -125,17 +113,16 @@ class Signals(Strict):
     decimate: Whole = Field(default=10, ge=1)
 
 
-class Campaign(Strict):
-    """What a campaign file may say."""
+class Named(Strict):
+    """What a campaign is called."""
     name: Annotated[str, AfterValidator(names.checked)]
-    scenario: str
-    controllers: list[Law] = Field(default=["neural"], min_length=1, validate_default=True)  # type: ignore[list-item]
-    presets: dict[str, str] = Field(default={}, description="of other components")
-    plant: str = "ideal"
-    flavour: str = "native"
-    step: Positive = 0.01
+
+
+class Campaign(Named):
+    """What a campaign file may say, whatever its subject is; the subject's own fields are added to it."""
+    step: Positive | None = Field(default=None, description="s; else the subject's, as stop and algorithm")
     stop: Positive | None = None
-    algorithm: str = "gauss-seidel"
+    algorithm: str | None = None
     set: dict[Name, Finite | bool | str] = Field(default={})
     runs: Whole = Field(default=0, ge=1, le=100_000_000, description="else all of the samples, or of the grid")
     seed: Whole = Field(default=0, ge=0, lt=2**63, description="required where something is drawn")
@@ -143,7 +130,8 @@ class Campaign(Strict):
     samples: str | None = Field(default=None, description="a .csv or .parquet file: a column a variable, a row a run")
     dispersions: dict[Name, Dispersion] = Field(default={})
     correlations: list[Correlation] = Field(default=[])
-    success: dict[str, Criterion] = Field(min_length=1, description="besides reaching the end")
+    metrics: dict[MetricName, Readable] = Field(default={}, description="expressions; columns of runs.parquet")
+    success: dict[str, Readable] = Field(default={}, description="besides reaching the end")
     worst_by: str | None = Field(default=None, description="a metric; else the first that success names")
     signals: Signals = Signals()
     timeout_s: Positive = 60.0
@@ -160,31 +148,17 @@ class Campaign(Strict):
 
     @model_validator(mode="after")
     def enough(self) -> "Campaign":
-        """Nothing is missing that is wanted only where something is drawn."""
-        free = self.samples is not None or self.sampling == "grid"
-        for field, missing in (("runs", not self.runs and not free), ("dispersions", not self.dispersions
-                                                                      and self.samples is None),
-                               ("seed", "seed" not in self.model_fields_set and bool(self.dispersions)
-                                and self.sampling != "grid")):
+        """Nothing is missing that is wanted only in some campaigns."""
+        grid, own = self.sampling == "grid", self.samples is not None
+        for missing, field in ((not self.runs and not grid and not own, "runs"),
+                               (not self.dispersions and not own, "dispersions"),
+                               ("seed" not in self.model_fields_set and not grid and self.dispersions, "seed"),
+                               (not self.success and not grid, "success")):
             if missing:
                 raise ValueError(f"{field} is missing")
+        if grid and (own or self.correlations):
+            raise ValueError(f"a grid takes no {'samples' if own else 'correlations'}")
         return self
-
-    @field_validator("controllers", mode="before")
-    @classmethod
-    def words(cls, value: Any) -> Any:
-        return [{"law": item} if isinstance(item, str) else item for item in value] if isinstance(value, list) \
-            else value
-
-    @field_validator("controllers")
-    @classmethod
-    def named(cls, value: list[Law]) -> list[Law]:
-        found = [law if law.name else law.model_copy(update={"name": law_name(law.law)}) for law in value]
-        called = [law.name for law in found]
-        for name in called:
-            if called.count(name) > 1:
-                raise ValueError(f"two controllers are called {name}: give each a name of its own")
-        return found
 
 
 def with_distribution(one: Any) -> Any:

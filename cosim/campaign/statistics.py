@@ -1,4 +1,5 @@
 """Statistics of the rows: probabilities with confidence intervals, and which draws correlate with failure."""
+from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
@@ -6,8 +7,6 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 import pyarrow.compute
-
-from ..vehicle.metrics import METRICS
 
 MOST_PHASES = 6
 JUDGED = ("finished", "departed")  # statuses that say something of the law; the others are failures of the machinery
@@ -68,16 +67,17 @@ class Results:
     columns: dict[str, np.ndarray]  # of the judged runs
     table: pa.Table                 # of the judged runs
     others: pa.Table                # the failures of the machinery
+    column: str                     # that names the law
 
     @classmethod
-    def of(cls, law: str, table: pa.Table) -> "Results":
-        """The rows of `law` in a table of all laws."""
-        mine = table.filter(pa.compute.equal(table["controller"], law))
+    def of(cls, law: str, table: pa.Table, column: str) -> "Results":
+        """The rows of `law` in a table of all laws, which are named in `column`."""
+        mine = table.filter(pa.compute.equal(table[column], law))
         known = pa.compute.is_in(mine["status"], pa.array(JUDGED))
         judged = mine.filter(known)
         return cls(law, {f.name: judged[f.name].to_numpy() for f in judged.schema
                          if pa.types.is_floating(f.type) or pa.types.is_boolean(f.type)},
-                   judged, mine.filter(pa.compute.invert(known)))
+                   judged, mine.filter(pa.compute.invert(known)), column)
 
     @property
     def runs(self) -> int:
@@ -104,31 +104,34 @@ class Results:
         counts = [c for t in (self.table, self.others) for c in t["status"].value_counts().to_pylist()]
         return {c["values"]: c["counts"] for c in sorted(counts, key=lambda c: str(c["values"]))}
 
-    def drivers(self, draws: list[str], metric: str) -> dict[str, dict[str, float]]:
+    def drivers(self, draws: list[str], metric: str | None) -> dict[str, dict[str, float]]:
         """Rank correlations of failure, and of `metric`, with each draw that is a number; the strongest first."""
-        failed = (~self.columns["success"].astype(bool)).astype(float)
-        found = {name: {"failure": rank_correlation(name, self.columns[name].astype(float), failed),
-                        metric: rank_correlation(name, self.columns[name].astype(float), self.columns[metric])}
-                 for name in draws if name in self.columns}
-        return dict(sorted(found.items(), key=lambda item: -abs(item[1]["failure"]) - 1e-3 * abs(item[1][metric])))
+        judged = {"failure": (~self.columns["success"].astype(bool)).astype(float)}
+        if metric is not None:
+            judged[metric] = self.columns[metric]
+        found = {name: {what: rank_correlation(name, self.columns[name].astype(float), values)
+                        for what, values in judged.items()} for name in draws if name in self.columns}
+        return dict(sorted(found.items(), key=lambda item: -abs(item[1]["failure"]) - 1e-3 * abs(
+            item[1].get(metric or "failure", 0.0))))
 
-    def worst(self, metric: str, count: int = 10) -> list[dict[str, Any]]:
-        """Rows: those that did not end first, by how early that was, then by `metric`."""
+    def worst(self, metric: str | None, count: int = 10) -> list[dict[str, Any]]:
+        """Rows: those that did not end first, by how early that was, then by `metric`, if there is one."""
         finished = np.array([s == "finished" for s in self.table["status"].to_pylist()])
         ended = np.where(finished, np.inf, np.nan_to_num(self.columns["departed_at_s"], nan=0.0))
-        order = np.lexsort((np.arange(self.judged), -np.nan_to_num(self.columns[metric]), ended))
+        by = self.columns["success"].astype(float) if metric is None else -np.nan_to_num(self.columns[metric])
+        order = np.lexsort((np.arange(self.judged), by, ended))
         return list(self.table.take(order[:count]).to_pylist())
 
-    def summary(self, draws: list[str], metric: str) -> dict[str, Any]:
-        """The numbers of report.json for this law."""
+    def summary(self, draws: list[str], metric: str | None, metrics: Iterable[str], noun: str) -> dict[str, Any]:
+        """The numbers of report.json for this law, which is a `noun`."""
         quantiles = {}
-        for name in METRICS:
+        for name in metrics:
             values = self.columns[name][np.isfinite(self.columns[name])]
             if len(values):
                 quantiles[name] = {"median": float(np.median(values)), "p95": float(np.quantile(values, 0.95)),
                                    "max": float(values.max())}
         return {"runs": self.runs, "judged": self.judged, "successes": self.successes,
-                "failures": {"law": self.judged - self.successes, "machinery": self.runs - self.judged},
+                "failures": {noun: self.judged - self.successes, "machinery": self.runs - self.judged},
                 "probability": self.probability, "interval_95": list(interval(self.successes, self.judged)),
                 "statuses": self.statuses(), "metrics": quantiles, "drivers": self.drivers(draws, metric)}
 

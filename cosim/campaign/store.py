@@ -21,7 +21,6 @@ import pyarrow.parquet as pq
 from ..errors import RunError, UsageError
 from ..master.publish import held
 from ..master.whole_file import reason, whole
-from ..vehicle.metrics import METRICS, OVER_TIME
 from .plan import Plan
 from .receipt import Receipt, Table
 from .worker import Outcome
@@ -35,17 +34,17 @@ ARROW: dict[type, pa.DataType] = {float: pa.float64(), bool: pa.bool_(), str: pa
 
 def schemas(plan: Plan) -> dict[str, pa.Schema]:
     """The columns of each kind of file."""
-    key: list[tuple[str, pa.DataType]] = [("run", pa.int64()), ("controller", pa.string())]
+    key: list[tuple[str, pa.DataType]] = [("run", pa.int64()), (plan.subject.column, pa.string())]
     draws = [(d.name, ARROW.get(type(d.extremes()[0]), pa.float64())) for d in plan.draws[plan.laws[0]]]
     recorded = sorted({name for names in plan.job.record.values() for name in names})
     return {
         "runs": pa.schema([
             *key, ("seed", pa.int64()), *draws, ("status", pa.string()), ("message", pa.string()),
             ("success", pa.bool_()), *((f"success.{name}", pa.bool_()) for name in plan.campaign.success),
-            ("ticks", pa.int64()), ("departed_at_s", pa.float64()), *((name, pa.float64()) for name in METRICS)]),
+            ("ticks", pa.int64()), ("departed_at_s", pa.float64()), *((name, pa.float64()) for name in plan.metrics)]),
         "signals": pa.schema([*key, ("time", pa.float64()), *((name, pa.float64()) for name in recorded)]),
         "errors": pa.schema([*key, ("time", pa.list_(pa.float64())),
-                             *((name, pa.list_(pa.float32())) for name in OVER_TIME)]),
+                             *((name, pa.list_(pa.float32())) for name in plan.subject.over_time)]),
     }
 
 
@@ -114,7 +113,7 @@ class Store:
 
     def add(self, first: int, rows: list[Outcome]) -> None:
         """The outcomes of the task whose first run is `first`, in order. Raises RunError if the disk is full."""
-        tables = {"errors": self.table("errors", map(errors_line, rows)), "signals": self.signals(rows),
+        tables = {"errors": self.table("errors", map(self.errors_line, rows)), "signals": self.signals(rows),
                   "runs": self.table("runs", map(self.line, rows))}
         written = {}
         with held(), self.writing():  # a signal leaves no parts without a receipt
@@ -135,10 +134,16 @@ class Store:
     def line(self, outcome: Outcome) -> dict[str, Any]:
         """An outcome as a row of runs.parquet."""
         request = outcome.request
-        return {"run": request.run, "controller": request.law, "seed": self.plan.campaign.seed, **request.drawn,
+        return {"run": request.run, self.plan.subject.column: request.law, "seed": self.plan.campaign.seed, **request.drawn,
                 "status": outcome.status, "message": outcome.message, "success": outcome.succeeded,
                 **{f"success.{name}": outcome.success.get(name, False) for name in self.plan.campaign.success},
                 "ticks": outcome.ticks, "departed_at_s": outcome.departed_at_s, **outcome.metrics}
+
+    def errors_line(self, outcome: Outcome) -> dict[str, Any] | None:
+        """An outcome as a row of errors.parquet; None if its errors were not kept."""
+        request = outcome.request
+        return None if outcome.errors is None else {"run": request.run, self.plan.subject.column: request.law,
+                                                    **outcome.errors}
 
     def signals(self, rows: list[Outcome]) -> pa.Table:
         """The signals that outcomes kept, as rows of signals.parquet."""
@@ -148,8 +153,7 @@ class Store:
                 continue
             request = outcome.request
             count = len(outcome.signals["time"])
-            given = {"run": pa.array([request.run] * count, pa.int64()), "controller": pa.array([request.law] * count),
-                     **{name: pa.array(column) for name, column in outcome.signals.items()}}
+            given = {"run": pa.array([request.run] * count, pa.int64()), self.plan.subject.column: pa.array([request.law] * count), **{name: pa.array(column) for name, column in outcome.signals.items()}}
             tables.append(pa.Table.from_arrays([given.get(f.name, pa.nulls(count, f.type)) for f in schema],
                                                schema=schema))
         return pa.concat_tables(tables) if tables else schema.empty_table()
@@ -193,8 +197,3 @@ class Store:
         """(rows, successes) that are there already."""
         return (sum(r.tables["runs"].rows for r in self.done.values()), sum(r.successes for r in self.done.values()))
 
-
-def errors_line(outcome: Outcome) -> dict[str, Any] | None:
-    """An outcome as a row of errors.parquet; None if its errors were not kept."""
-    request = outcome.request
-    return None if outcome.errors is None else {"run": request.run, "controller": request.law, **outcome.errors}

@@ -5,9 +5,10 @@ import os
 import tempfile
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -16,17 +17,16 @@ from distributed.diagnostics.plugin import WorkerPlugin
 
 from ..errors import RunError, UsageError
 from ..master.algorithms import method
+from ..master.course import Course
 from ..master.flight import Flight
 from ..master.fly import fly_loaded
 from ..master.loaded import Master, open_files
+from ..master.measures import parse
 from ..master.recording import Whole
 from ..master.system import System, Value
 from ..master.whole_file import whole
 from ..temporary import FULL
-from ..vehicle.metrics import OVER_TIME, measured
-from ..vehicle.signals import course
 from .code import CODE, differences
-from .criteria import holds
 from .dispersions import with_values
 from .plan import Job
 from .sampling import drawn, keeps_signals
@@ -56,6 +56,7 @@ class Outcome:
     departed_at_s: float | None = None
     metrics: dict[str, float] = field(default_factory=dict)
     success: dict[str, bool] = field(default_factory=dict)
+    reasons: dict[str, str] = field(default_factory=dict)  # of criteria without a value: why
     errors: dict[str, np.ndarray] | None = None
     signals: dict[str, np.ndarray] | None = None
 
@@ -166,7 +167,7 @@ class LoadedSystems:
                 files = stack.enter_context(open_files(system))
             finally:
                 tempfile.tempdir = None
-            master = Master(system, files, self.job.record[law])
+            master = Master(system, files, self.job.record[law], tolerance=self.job.tolerance)
             stack.callback(master.close)
             self.masters[law] = master, stack.pop_all()
         return master
@@ -201,7 +202,7 @@ class LoadedSystems:
             if request.law not in self.recorders:
                 self.recorders[request.law] = Whole(master.columns, self.job.ticks + 2)
             flight = fly_loaded(master, method(self.job.algorithm), self.job.step, self.job.ticks, check_time,
-                                recorder=self.recorders[request.law].restart())
+                                recorder=self.recorders[request.law].restart(), start=self.job.start)
         except Exception as error:
             if disk_is_full(error):
                 raise RunError(f"The disk with {self.folder} is full.") from None
@@ -216,12 +217,12 @@ class LoadedSystems:
 
     def outcome(self, request: Request, flight: Flight, status: str) -> Outcome:
         """What a flight shows of the request."""
-        found = {name: value for name, value in measured(flight).items() if value is not None}
+        metrics, success, reasons = judged(self.job, flight)
         ended = None if flight.finished else flight.reached
-        success = {name: flight.finished and holds(text, found) for name, text in self.job.success.items()}
-        result = Outcome(request, status, flight.message, flight.ticks, ended, found, success)
-        if request.envelope:
-            result.errors = errors_over_time(flight, self.job.step, self.job.ticks)
+        result = Outcome(request, status, flight.message, flight.ticks, ended, metrics, success, reasons)
+        if request.envelope and self.job.over_time:
+            courses = {name: self.job.course(flight, text) for name, text in self.job.over_time.items()}
+            result.errors = errors_over_time(courses, self.job.step, self.job.ticks, self.job.start)
         if request.keep or (self.job.keep_failures and not result.succeeded):
             rows = sorted({*range(0, len(flight.time), self.job.decimate), len(flight.time) - 1})
             result.signals = {"time": flight.time[rows],
@@ -238,10 +239,33 @@ def disk_is_full(error: BaseException | None) -> bool:
     return False
 
 
-def errors_over_time(flight: Flight, step: float, ticks: int) -> dict[str, np.ndarray]:
-    """Errors at fixed times (s), shares of all `ticks` of `step` seconds, as far as the flight came."""
-    courses = {name: course(flight, signal) for name, (_, signal) in OVER_TIME.items()}
-    times = step * np.unique(np.linspace(0, ticks, ENVELOPE_POINTS + 1).round())
+def judged(job: Job, flight: Flight) -> tuple[dict[str, float], dict[str, bool], dict[str, str]]:
+    """What a flight shows: metrics, as far as it has them; criteria; why those without a value have none."""
+    @cache
+    def course(name: str) -> Course:
+        if name not in flight:
+            raise UsageError(f"there is no {name}")
+        return flight.course(name)
+
+    found = dict(job.measure(flight))
+    for name, text in job.metrics.items():
+        try:
+            found[name] = float(parse(text).value(course, found))
+        except ValueError:
+            found[name] = None
+    success, reasons = {}, {}
+    for name, text in job.success.items():
+        try:
+            success[name] = bool(parse(text).value(course, found)) and flight.finished
+        except ValueError as reason:
+            success[name], reasons[name] = False, str(reason)
+    return {name: value for name, value in found.items() if value is not None}, success, reasons
+
+
+def errors_over_time(courses: Mapping[str, Course], step: float, ticks: int, start: float = 0.0
+                     ) -> dict[str, np.ndarray]:
+    """Courses at fixed times (s), shares of all `ticks` of `step` seconds, as far as the flight came."""
+    times = start + step * np.unique(np.linspace(0, ticks, ENVELOPE_POINTS + 1).round())
     times = times[times <= min(one.time[-1] for one in courses.values())]
     return {"time": times, **{name: one.at(times).astype(np.float32) for name, one in courses.items()}}
 

@@ -29,12 +29,13 @@ def campaign(
 ) -> None:
     """Fly many uncertain runs on Dask, and report how often they succeed."""
     from ..campaign.campaign import campaign as fly
+    from ..vehicle.campaigns import Laws
 
     given = [path for path in (tls_ca, tls_cert, tls_key) if path is not None]
     if len(given) not in (0, 3):
         raise UsageError("--tls-ca, --tls-cert and --tls-key belong together: give all three, or none.")
     tls = (given[0], given[1], given[2]) if given else None
-    summary = fly(file, out, scheduler, resume, workers, tls, dashboard)
+    summary = fly(file, out, scheduler, resume, workers, tls, dashboard, [Laws])
     if as_json:
         print(json.dumps(summary))
     else:
@@ -44,7 +45,7 @@ def campaign(
 def table(summary: dict[str, Any]) -> dict[str, Any]:
     """The summary's few lines for a terminal."""
     rows: dict[str, Any] = {"campaign": summary["campaign"]}
-    for law, found in summary["controllers"].items():
+    for law, found in summary["controllers" if "controllers" in summary else "variants"].items():
         low, high = found["interval_95"]
         share = "unknown" if found["probability"] is None else f"{100 * found['probability']:.2f} %"
         rows[f"success, {law}"] = (f"{share} ({100 * low:.2f} to {100 * high:.2f}), {found['successes']:,} of "

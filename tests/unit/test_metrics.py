@@ -103,7 +103,7 @@ def test_a_campaign_records_what_the_metrics_need(shown, expected):
 
 @pytest.mark.parametrize("name", METRICS)
 def test_every_metric_can_be_a_criterion(name):
-    assert metrics_of(f"{name} < 3") == [name]
+    assert metrics_of(f"{name} < 3") == (name,)
 
 
 def compared(**costs):
