@@ -18,7 +18,18 @@ from ..master.measures import NUMBER, TRUTH, check, parse
 from ..master.system import System, Value
 from ..yaml_file import Source
 from .code import CODE
-from .dispersions import Fmus, all_draws, all_mixings, checked, constants, opened, run_count, with_measured, with_values
+from .dispersions import (
+    Fmus,
+    all_draws,
+    all_mixings,
+    checked,
+    constants,
+    opened,
+    run_count,
+    units_of,
+    with_measured,
+    with_values,
+)
 from .samples import Samples
 from .sampling import Draw, Sampler, free
 from .spec import Campaign
@@ -71,6 +82,7 @@ class Plan:
     fmus: dict[str, Path]                 # SHA256/FILE.fmu -> the file
     fingerprint: dict[str, Any]           # what determines the rows
     runs_per_task: int
+    units: dict[str, str]                 # of the draws that have one
 
     @property
     def path(self) -> Path:
@@ -160,11 +172,13 @@ def make(campaign: Campaign, source: Source, kind: type[Subject]) -> Plan:
     samples: Samples | None = None
     systems, record, draws, fmus = {}, {}, {}, {}
     signals: dict[str, set[str]] = {}
+    units: dict[str, str] = {}
     for variant, system in subject.systems.items():
         with open_files(system) as files:
             driven = check_values(source, campaign, subject, variant, system, files)
             samples = samples or opened(source, campaign, files)
             draws[variant] = all_draws(source, campaign, system, files, driven, samples)
+            units.update(units_of(draws[variant], files))
             signals[variant] = recorded_names(system, dict(files), ["*"])
             record[variant] = recorded(source, campaign, subject, system, files)
             fixed = constants(source, campaign, files)
@@ -194,7 +208,7 @@ def make(campaign: Campaign, source: Source, kind: type[Subject]) -> Plan:
               campaign.signals.decimate, CODE, subject.start, subject.tolerance, campaign.metrics,
               {name: expression for name, (_, expression) in subject.over_time.items()}, subject.measure,
               subject.course)
-    return Plan(source, campaign, subject, fixed, job, fmus, fingerprint, runs_per_task)
+    return Plan(source, campaign, subject, fixed, job, fmus, fingerprint, runs_per_task, units)
 
 
 def key_of(fingerprint: dict[str, Any]) -> str:

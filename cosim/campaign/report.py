@@ -8,7 +8,7 @@ from typing import Any
 import pyarrow.parquet as pq
 
 from ..master.whole_file import whole
-from . import charts
+from . import charts, grid
 from .plan import Plan
 from .rerun import command
 from .statistics import JUDGED, Results, interval_text, paired, with_differences
@@ -25,6 +25,7 @@ pre { background: #f4f4f4; padding: .5em; font-size: 12px; white-space: pre-wrap
 .commands td, .commands th { text-align: left; font-size: 14px; }
 .note { color: #555; }
 """
+MOST_LISTED = 12  # values of a distribution
 EXPLAINED = {
     "probability": ("Success", "Bars: share of the judged runs that reached the end and met every criterion. "
                     "Lines: an interval of {interval}."),
@@ -36,6 +37,7 @@ EXPLAINED = {
                 "with sine and cosine, never negative; differences of two phases stand beside the phases."),
     "scatter": ("{metric} against each dispersion, {law}", "The first {points} judged runs at most; the "
                 "twelve strongest."),
+    "sweep": ("{law}", "Over the grid. A cross is a run that was no success; a grey cell has no value."),
 }
 
 
@@ -52,11 +54,16 @@ def write(store: Store) -> dict[str, Any]:
         "judged": list(JUDGED), "interval": interval_text(plan.campaign.sampling),
         f"{subject.column}s": {r.law: r.summary(draws, metric, plan.metrics, subject.noun) for r in results},
         "paired": {f"{a.law} and {b.law}": paired(a, b) for i, a in enumerate(results) for b in results[i + 1:]}}
+    if plan.campaign.sampling == "grid":
+        summary["grid"] = {r.law: grid.extremes(plan, r) for r in results}
+    if plan.campaign.samples is not None:
+        summary["samples"] = plan.campaign.samples
     with whole(folder / "report.json") as partial:  # first: it needs no pictures
         partial.write_text(json.dumps(summary, indent=2) + "\n")
     pictures = {}
     (folder / "figures").mkdir(exist_ok=True)
-    for name, draw in charts.every(plan, results, errors, draws).items():
+    every = grid.pictures(plan, results) if "grid" in summary else charts.every(plan, results, errors, draws)
+    for name, draw in every.items():
         path = folder / "figures" / f"{name}.png"
         with whole(path) as partial:
             draw().savefig(partial, dpi=110, format="png")
@@ -78,6 +85,9 @@ def page(plan: Plan, summary: dict[str, Any], results: list[Results], pictures: 
         parts.append(f"<h2>{escape(title)}</h2><p class=note>{escape(note)}</p>"
                      f"<img alt='{escape(title, quote=True)}' src='data:image/png;base64,"
                      f"{base64.b64encode(png).decode()}'>")
+    if "grid" in summary:
+        parts.append("<h2>Least and greatest</h2>" + table([plan.subject.noun, "metric", "least", "greatest"],
+                                                           grid.table_rows(plan, summary["grid"])))
     parts += [worst(plan, r) for r in results]
     parts += [not_judged(plan, r) for r in results if r.others.num_rows]
     return ("<!doctype html><html lang=en><head><meta charset=utf-8><meta name=viewport content='width=device-width'>"
@@ -94,9 +104,10 @@ def introduction(plan: Plan) -> str:
              fields_text(d.distribution.model_dump(exclude={"also", "relative"}, exclude_none=True))
              + (f", times the nominal {d.factor:g}" if d.factor is not None else "")
              + (", as a period in s" if d.period else "")] for d in plan.draws[plan.laws[0]]]
+    sampling = escape(f"{campaign.samples}, and {campaign.sampling}" if campaign.samples else campaign.sampling)
     correlated = listed(escape(fields_text(group.model_dump(exclude_none=True))) for group in campaign.correlations)
     return (f"<p>{campaign.runs:,} runs of {escape(subject.name)} ({subject.stop - subject.start:g} s in steps "
-            f"of {subject.step:g} s) for each {subject.noun}, seed {campaign.seed}, sampling {campaign.sampling}"
+            f"of {subject.step:g} s) for each {subject.noun}, seed {campaign.seed}, sampling {sampling}"
             f"{escape(subject.remark)}.</p>"
             f"{f'<p>Metrics of this campaign:</p>{own}' if campaign.metrics else ''}"
             f"<p>A run is a success if it reaches the end and</p>{success}"
@@ -111,8 +122,12 @@ def listed(items: Iterable[str]) -> str:
 
 def fields_text(given: dict[str, Any]) -> str:
     """The fields of a distribution or a correlation in a line."""
-    return ", ".join(str(v) if k == "distribution" else f"{k} {v:g}" if isinstance(v, float) else f"{k} {v}"
-                     for k, v in given.items())
+    def text(value: Any) -> str:
+        if isinstance(value, list) and len(value) > MOST_LISTED:
+            return f"({len(value):,} from {value[0]} to {value[-1]})"
+        return f"{value:g}" if isinstance(value, float) else str(value)
+
+    return ", ".join(str(v) if k == "distribution" else f"{k} {text(v)}" for k, v in given.items())
 
 
 def table(head: list[str], rows: list[list[Any]], kind: str = "") -> str:
@@ -131,8 +146,9 @@ def side_by_side(plan: Plan, summary: dict[str, Any]) -> str:
     statuses = sorted({s for law in found.values() for s in law["statuses"]})
     rows: list[list[Any]] = [
         ["successes", *(f"{x['successes']:,} of {x['judged']:,} judged" for x in found.values())],
-        ["probability of success", *(percent(x["probability"]) for x in found.values())],
-        ["95 % interval", *("{:.2f} to {:.2f} %".format(*(100 * p for p in x["interval_95"])) for x in found.values())],
+        ["share of successes" if "grid" in summary else "probability of success", *(percent(x["probability"]) for x in found.values())],
+        *([] if "grid" in summary else [["95 % interval", *("{:.2f} to {:.2f} %".format(
+            *(100 * p for p in x["interval_95"])) for x in found.values())]]),
         *([f"failures of the {whose}", *(f"{x['failures'][whose]:,}" for x in found.values())]
           for whose in (noun, "machinery")),
         *([status, *(f"{x['statuses'].get(status, 0):,}" for x in found.values())] for status in statuses)]

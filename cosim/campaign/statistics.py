@@ -14,6 +14,8 @@ JUDGED = ("finished", "departed")  # statuses that say something of the law; the
 
 def interval_text(sampling: str) -> str:
     """What `interval` is worth with a kind of sampling."""
+    if sampling == "grid":
+        return "none: the points of a grid are not drawn"
     text = "at least 95 % confidence (Clopper and Pearson, for independent draws)"
     return text if sampling == "random" else \
         f"{text}; {sampling} draws lie more evenly, so that the interval is often wider than it need be"
