@@ -97,8 +97,9 @@ def lines(plan: Plan, results: list[Results], metric: str) -> Figure:
         y, success = cells(r, metric, shape).ravel(), cells(r, "success", shape).ravel()
         colour = COLOURS[i % len(COLOURS)]
         axis.plot(x[order], y[order], MARKS[i % len(MARKS)] + "-", color=colour, ms=5, label=without_math(r.law))
-        axis.plot(x[success == 0], y[success == 0], "x", color="k", ms=9, label="" if failed else "no success")
-        failed = failed or bool((success == 0).any())
+        if (success == 0).any():
+            axis.plot(x[success == 0], y[success == 0], "x", color="k", ms=9, label="" if failed else "no success")
+            failed = True
     if wide(np.concatenate([line.get_ydata() for line in axis.get_lines()])):
         axis.set_yscale("log")
     tick(axis.xaxis, draws[across].levels)
@@ -154,7 +155,7 @@ def heat(axis: Axes, x: np.ndarray, y: np.ndarray, values: np.ndarray, success: 
     for j, i in np.argwhere(np.isfinite(success)):
         bright = np.isfinite(values[j, i]) and scale(values[j, i]) > 0.5
         failed = success[j, i] == 0
-        text = f"{values[j, i]:.3g}" if few and np.isfinite(values[j, i]) else ""
+        text = f"{values[j, i]:#.3g}".rstrip(".") if few and np.isfinite(values[j, i]) else ""
         axis.text(x[i], y[j], f"{text}\n×".strip() if failed else text, ha="center", va="center", fontsize=7,
                   color="k" if bright else "w")
     return mesh

@@ -76,8 +76,8 @@ def write(store: Store) -> dict[str, Any]:
 def page(plan: Plan, summary: dict[str, Any], results: list[Results], pictures: dict[str, bytes]) -> str:
     """report.html."""
     campaign = plan.campaign
-    names = {"envelope": min(campaign.runs, 2000), "metric": plan.worst_by, "noun": plan.subject.noun, "drawn": plan.subject.drawn, "points": charts.POINTS,
-             "interval": interval_text(campaign.sampling)}
+    names = {"envelope": min(campaign.runs, 2000), "metric": plan.worst_by, "points": charts.POINTS,
+             "noun": plan.subject.noun, "drawn": plan.subject.drawn, "interval": interval_text(campaign.sampling)}
     parts = [f"<h1>Campaign {escape(campaign.name)}</h1>", introduction(plan), side_by_side(plan, summary)]
     for name, png in pictures.items():
         kind, _, law = name.partition("_")
@@ -176,7 +176,8 @@ def counts_text(counts: dict[str, int]) -> str:
 def worst(plan: Plan, r: Results) -> str:
     """The ten worst of a law's judged runs."""
     return (f"<h2>The worst ten, {escape(r.law)}</h2><p class=note>What did not reach the end, the earliest first; "
-            f"then {f'by {escape(plan.worst_by)}' if plan.worst_by else 'what was no success'}. Each command repeats its run.</p>"
+            f"then {f'by {escape(plan.worst_by)}' if plan.worst_by else 'what was no success'}. "
+            "Each command repeats its run.</p>"
             + commands(plan, r.worst(plan.worst_by)))
 
 

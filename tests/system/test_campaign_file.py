@@ -1,9 +1,9 @@
 """A campaign file that is wrong: one sentence with line and field, before anything runs."""
 import pytest
 import yaml
+from campaigns import load
 from places import ROOT
 
-from cosim.campaign.plan import load
 from cosim.errors import UsageError
 
 GOOD = """\
@@ -161,7 +161,7 @@ def test_files_are_named_from_the_campaign_file_wherever_it_is_read_from(tmp_pat
     text = GOOD.replace("scenario: case1\nstop: 1", "scenario: own.yaml\nplant: fmus/AhvPlant.fmu\n"
                         "controllers: [mine=fmus/AhvController.fmu]")
     found = plan(text, there)
-    assert found.stop == 2 and found.scenario.name == "own" and found.scenario_word == str(there / "own.yaml")
+    assert found.stop == 2 and found.subject.name == "own" and found.subject.word == str(there / "own.yaml")
     assert {path.parent for stored, path in found.fmus.items() if "Scenario" not in stored} == {there / "fmus"}
     row = {"run": 7, "controller": "mine", "plant.mass": 300.0, "scenario.scale_lift_sine": 0.1,
            "scenario.scale_lift_sine_phase": 1.0}
@@ -170,17 +170,17 @@ def test_files_are_named_from_the_campaign_file_wherever_it_is_read_from(tmp_pat
     assert words[words.index("--out") + 1] == f"results/run/{found.campaign.name}-mine-7"
     assert words[words.index("--plant") + 1] == str(there / "fmus" / "AhvPlant.fmu")
     assert words[words.index("--controller") + 1] == f"mine={there / 'fmus' / 'AhvController.fmu'}"
-    assert "scenario.scale_lift_sine=0.1" in words and plan(GOOD, there).scenario_word == "case1"
+    assert "scenario.scale_lift_sine=0.1" in words and plan(GOOD, there).subject.word == "case1"
 
 
 def test_what_is_said_of_a_law_wins_over_what_is_said_of_all(tmp_path):
     found = plan(GOOD.replace("seed: 3", "seed: 3\nset: {plant.chord: 16, controller.elevator_max: 0.3}\n"
                               "presets: {controller: robust}\ncontrollers:\n- neural\n"
                               "- {law: neural, name: other, preset: calibrated, set: {plant.chord: 18}}"), tmp_path)
-    chord = {law: float(c.values["chord"]) for law, loop in found.loops.items() for c in loop.system.components
+    chord = {law: float(c.values["chord"]) for law, loop in found.subject.loops.items() for c in loop.system.components
              if c.name == "plant"}
     assert chord == {"neural": 16, "other": 18}
-    assert {law: loop.presets["controller"] for law, loop in found.loops.items()} == {
+    assert {law: loop.presets["controller"] for law, loop in found.subject.loops.items()} == {
         "neural": "robust", "other": "calibrated"}
 
 
