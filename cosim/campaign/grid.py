@@ -116,7 +116,8 @@ def maps(plan: Plan, results: list[Results], metric: str) -> Figure:
     draws = plan.draws[plan.laws[0]]
     shape = [len(d.levels) for d in draws]
     x, y, *others = sorted(range(len(draws)), key=lambda i: shape[i] == 1)
-    panels = list(islice(product(results, *(range(shape[i]) for i in others)), MOST_PANELS))
+    fixed = product(*(range(shape[i]) for i in others))
+    panels = list(islice(product(results, list(fixed)), MOST_PANELS))
     columns = min(3, len(panels)) if len(panels) != 4 else 2
     rows = -(-len(panels) // columns)
     made, axes = figure(0.8 + (4.6 if columns == 1 else 3.4) * rows, rows, columns, sharex=True, sharey=True)
@@ -125,7 +126,7 @@ def maps(plan: Plan, results: list[Results], metric: str) -> Figure:
     values = values[np.isfinite(values)]
     low, high = (values.min(), values.max()) if len(values) else (0.0, 1.0)
     scale = LogNorm(low, high) if wide(values) else Normalize(low, high)
-    for axis, (r, *at) in zip(axes.flat, panels):
+    for axis, (r, at) in zip(axes.flat, panels):
         chosen: list[Any] = [slice(None)] * len(draws)
         for i, level in zip(others, at):
             chosen[i] = level
@@ -133,9 +134,9 @@ def maps(plan: Plan, results: list[Results], metric: str) -> Figure:
         mesh = heat(axis, places(draws[x].levels), places(draws[y].levels), found, success, scale)
         tick(axis.xaxis, draws[x].levels)
         tick(axis.yaxis, draws[y].levels)
-        fixed = [f"{draws[i].name} = {written(draws[i].levels[level])}" for i, level in zip(others, at)
-                 if shape[i] > 1]
-        axis.set_title(without_math("\n".join([*([r.law] if len(results) > 1 else []), *fixed])), fontsize="small")
+        titles = [r.law] if len(results) > 1 else []
+        titles += [f"{draws[i].name} = {written(draws[i].levels[k])}" for i, k in zip(others, at) if shape[i] > 1]
+        axis.set_title(without_math("\n".join(titles)), fontsize="small")
     for axis in axes.flat[len(panels):]:
         axis.set_visible(False)
     made.supxlabel(label(plan, draws[x]), fontsize="medium")

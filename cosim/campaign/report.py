@@ -146,7 +146,8 @@ def side_by_side(plan: Plan, summary: dict[str, Any]) -> str:
     statuses = sorted({s for law in found.values() for s in law["statuses"]})
     rows: list[list[Any]] = [
         ["successes", *(f"{x['successes']:,} of {x['judged']:,} judged" for x in found.values())],
-        ["share of successes" if "grid" in summary else "probability of success", *(percent(x["probability"]) for x in found.values())],
+        ["share of successes" if "grid" in summary else "probability of success",
+         *(percent(x["probability"]) for x in found.values())],
         *([] if "grid" in summary else [["95 % interval", *("{:.2f} to {:.2f} %".format(
             *(100 * p for p in x["interval_95"])) for x in found.values())]]),
         *([f"failures of the {whose}", *(f"{x['failures'][whose]:,}" for x in found.values())]

@@ -51,7 +51,7 @@ def sweep(
     about: dict[str, Any] = {"name": called(system, variables), **said(step=step, stop=stop, algorithm=algorithm,
                                                                        set=values)}
     if is_system(system):
-        for_scenarios_only(system, "a system", *(controller or ["neural"])[:1], preset, flavour, plant, None)
+        for_scenarios_only(system, "a system", (controller or ["neural"])[0], preset, flavour, plant, None)
         about["system"] = str(place(system).absolute())
     else:
         about |= scenario(system, controller, preset, flavour, plant)
