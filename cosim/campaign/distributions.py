@@ -308,7 +308,7 @@ class Scipy(Distribution):
         one = frozen(self.name, tuple(self.parameters.items()))
         if self.low is None and self.high is None:
             return float(one.ppf(u))
-        below, above = (a + u * (b - a) for a, b in self.cut)  # the smaller one has all its digits
+        below, above = ((1 - u) * a + u * b for a, b in self.cut)  # the smaller one has all its digits
         return within(float(one.ppf(below) if below < above else one.isf(above)), self.low, self.high)
 
     def extremes(self) -> list[Value]:
