@@ -60,7 +60,10 @@ def carried_out(plan: Plan, text: str, out: Path | None, scheduler: str | None =
 def reported(store: Store) -> dict[str, Any]:
     """The report's numbers, once it is written. Raises RunError if that fails, for whatever reason."""
     try:
-        from .report import write  # imports matplotlib, which is slow
+        if store.plan.campaign.rare:
+            from .rare_report import write
+        else:
+            from .report import write  # imports matplotlib, which is slow
 
         return write(store)
     except Exception as error:
@@ -77,7 +80,7 @@ def fly(plan: Plan, store: Store, scheduler: str | None, workers: int | None, tl
     total = plan.campaign.runs * len(plan.laws)
     rows, successes = store.counts()
     began = time.perf_counter()
-    if rows < total:
+    if any(store.missing()):
         with connected(scheduler, workers, tls, dashboard) as client:
             send(client, plan)
             for sentence in check(client, plan) if rows == 0 else ():
@@ -86,10 +89,16 @@ def fly(plan: Plan, store: Store, scheduler: str | None, workers: int | None, tl
             Thread(target=import_for_report, daemon=True).start()
             with shown(plan.campaign.name, total, rows, successes,
                        client.dashboard_link if dashboard or (scheduler and on_terminal()) else None) as progress:
-                Engine(client, plan, store, progress).run()
-    flying = time.perf_counter() - began
+                engine = Engine(client, plan, store, progress)
+                if plan.campaign.rare:
+                    from .rare_flights import fly as fly_levels
+
+                    fly_levels(engine, plan, store)
+                else:
+                    engine.run()
+    flying, flown = time.perf_counter() - began, store.counts()[0] - rows
     store.finish()
-    return total - rows, flying
+    return flown, flying
 
 
 def import_for_report() -> None:

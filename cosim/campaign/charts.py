@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from ..text import without_math
 from .plan import Plan
-from .statistics import Results, interval
+from .statistics import Results
 from .subject import Figure as Metric
 
 WIDTH = 9.0
@@ -43,7 +43,7 @@ def probability(results: list[Results]) -> Figure:
     made, axes = figure(0.8 + 0.5 * len(results))
     axis = axes[0, 0]
     for i, r in enumerate(results):
-        p, (low, high) = r.probability or 0.0, interval(r.successes, r.judged)
+        p, (low, high) = r.probability or 0.0, r.interval
         axis.barh(i, p, color=f"C{i}", alpha=0.6)
         axis.errorbar(p, i, xerr=[[max(0.0, p - low)], [max(0.0, high - p)]], color="k", capsize=6)
     axis.set_yticks(range(len(results)), [r.law for r in results])

@@ -177,17 +177,6 @@ def with_measured(source: Source, campaign: Campaign) -> tuple[Campaign, dict[st
     return campaign.model_copy(update={"dispersions": changed}), hashes
 
 
-def units_of(draws: tuple[Draw, ...], files: Fmus) -> dict[str, str]:
-    """The units of those draws that have one, by the draws' names."""
-    found = {}
-    for one in draws:
-        component, _, variable = one.name.partition(".")
-        unit = files[component].description.unit_of(files[component].variable(variable))
-        if unit is not None and unit.name not in ("", "1"):
-            found[one.name] = unit.name
-    return found
-
-
 def beside(source: Source, word: str) -> Path:
     """The file that the campaign file names."""
     return source.path.parent / Path(word).expanduser()

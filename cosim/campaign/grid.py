@@ -57,7 +57,7 @@ def pictures(plan: Plan, results: list[Results]) -> dict[str, Callable[[], Figur
 
 def label(plan: Plan, draw: Draw) -> str:
     """A swept variable on an axis."""
-    unit = plan.units.get(draw.name, "")
+    unit = plan.labels[draw.name].unit
     return without_math(f"{draw.name} ({unit})" if unit else draw.name)
 
 

@@ -9,8 +9,10 @@ import pyarrow.parquet as pq
 
 from ..master.whole_file import whole
 from . import charts, grid
+from .front import stopping
 from .plan import Plan
 from .rerun import command
+from .sequential import Sequence
 from .statistics import JUDGED, Results, interval_text, paired, with_differences
 from .store import Store
 
@@ -46,12 +48,14 @@ def write(store: Store) -> dict[str, Any]:
     plan, folder = store.plan, store.folder
     runs, errors = pq.read_table(store.file("runs")), pq.read_table(store.file("errors"))
     runs, draws = with_differences(runs, [d.name for d in plan.draws[plan.laws[0]]])
-    subject, metric = plan.subject, plan.worst_by
-    results = [Results.of(law, runs, subject.column) for law in plan.laws]
+    subject, metric, rule = plan.subject, plan.worst_by, plan.campaign.stop_when
+    sequence = Sequence(rule.half_width) if rule else None
+    results = [Results.of(law, runs, subject.column, sequence) for law in plan.laws]
     summary = {
         "campaign": plan.campaign.name, subject.field: subject.name, "runs": plan.campaign.runs,
         "seed": plan.campaign.seed, "sampling": plan.campaign.sampling, "success": plan.campaign.success,
-        "judged": list(JUDGED), "interval": interval_text(plan.campaign.sampling),
+        "judged": list(JUDGED), "interval": interval_text(plan.campaign.sampling, sequence),
+        **({"stopped": stopping(rule, results)} if rule else {}),
         f"{subject.column}s": {r.law: r.summary(draws, metric, plan.metrics, subject.noun) for r in results},
         "paired": {f"{a.law} and {b.law}": paired(a, b) for i, a in enumerate(results) for b in results[i + 1:]}}
     if plan.campaign.sampling == "grid":
@@ -76,9 +80,10 @@ def write(store: Store) -> dict[str, Any]:
 def page(plan: Plan, summary: dict[str, Any], results: list[Results], pictures: dict[str, bytes]) -> str:
     """report.html."""
     campaign = plan.campaign
-    names = {"envelope": min(campaign.runs, 2000), "metric": plan.worst_by, "points": charts.POINTS,
-             "noun": plan.subject.noun, "drawn": plan.subject.drawn, "interval": interval_text(campaign.sampling)}
-    parts = [f"<h1>Campaign {escape(campaign.name)}</h1>", introduction(plan), side_by_side(plan, summary)]
+    names = {"envelope": min(results[0].runs, 2000), "metric": plan.worst_by, "noun": plan.subject.noun,
+             "drawn": plan.subject.drawn, "points": charts.POINTS, "interval": summary["interval"]}
+    parts = [f"<h1>Campaign {escape(campaign.name)}</h1>", introduction(plan), ended(plan, summary),
+             side_by_side(plan, summary)]
     for name, png in pictures.items():
         kind, _, law = name.partition("_")
         title, note = (text.format(law=law, **names) for text in EXPLAINED[kind])
@@ -106,13 +111,26 @@ def introduction(plan: Plan) -> str:
              + (", as a period in s" if d.period else "")] for d in plan.draws[plan.laws[0]]]
     sampling = escape(f"{campaign.samples}, and {campaign.sampling}" if campaign.samples else campaign.sampling)
     correlated = listed(escape(fields_text(group.model_dump(exclude_none=True))) for group in campaign.correlations)
-    return (f"<p>{campaign.runs:,} runs of {escape(subject.name)} ({subject.stop - subject.start:g} s in steps "
+    most = "At most " if campaign.stop_when else ""
+    return (f"<p>{most}{campaign.runs:,} runs of {escape(subject.name)} ({subject.stop - subject.start:g} s in steps "
             f"of {subject.step:g} s) for each {subject.noun}, seed {campaign.seed}, sampling {sampling}"
             f"{escape(subject.remark)}.</p>"
             f"{f'<p>Metrics of this campaign:</p>{own}' if campaign.metrics else ''}"
             f"<p>A run is a success if it reaches the end and</p>{success}"
             f"<details><summary>What is uncertain</summary>{table(['drawn', 'from'], rows)}"
             f"{f'<p>Correlated:</p>{correlated}' if campaign.correlations else ''}</details>")
+
+
+def ended(plan: Plan, summary: dict[str, Any]) -> str:
+    """Of a campaign with a rule: after how many runs it ended, and the intervals by that rule."""
+    if not (stopped := summary.get("stopped")):
+        return ""
+    intervals = listed(f"{escape(law)}: {100 * low:.2f} to {100 * high:.2f} %"
+                       for law, (low, high) in stopped["intervals"].items())
+    return (f"<p>Ended after {stopped['after_runs']:,} runs of each {plan.subject.noun}: {escape(stopped['why'])}. "
+            f"The rule: the probability of {escape(stopped['probability'])} with a half-width of "
+            f"{100 * stopped['half_width']:g} %, at {100 * stopped['confidence']:g} % confidence whatever ends the "
+            f"campaign. Its intervals:</p>{intervals}")
 
 
 def listed(items: Iterable[str]) -> str:

@@ -96,7 +96,7 @@ class Sampler:
     mixings: tuple[Mixing, ...] = ()
     samples: Samples | None = None
 
-    def at(self, folder: Path) -> "Sampler":
+    def placed(self, folder: Path) -> "Sampler":
         """The same where the samples are below `folder`."""
         return self if self.samples is None else replace(self, samples=self.samples.at(folder))
 
@@ -124,10 +124,20 @@ class Sampler:
             found = np.array([stream(self.seed, k, DRAWS).random(self.dimensions) for k in range(first, last)])
         else:
             found = self.sobol(first, last) if self.sampling == "sobol" else self.hypercube[first:last]
-        found = np.clip(found, EDGE, 1 - EDGE)
-        for u in found:
+        return self.correlated(found)
+
+    def at(self, normal: np.ndarray) -> np.ndarray:
+        """The points of the unit cube at points of the standard normal space, correlated; shape (runs, dimensions)."""
+        from scipy.special import ndtr
+
+        return self.correlated(ndtr(normal))
+
+    def correlated(self, points: np.ndarray) -> np.ndarray:
+        """Independent points, off the edges and correlated."""
+        points = np.clip(points, EDGE, 1 - EDGE)
+        for u in points:
             self.correlate(u)
-        return found
+        return points
 
     def uniforms(self, k: int) -> np.ndarray:
         """Run k's point, shape (dimensions,)."""
@@ -164,13 +174,17 @@ def on_grid(draws: Sequence[Draw], k: int) -> dict[str, Value]:
     return {d.name: d.levels[i] for d, i in zip(draws, at)}
 
 
-def drawn(sampler: Sampler, draws: tuple[Draw, ...], first: int, last: int) -> Iterator[dict[str, Value]]:
-    """The values of runs first ... last - 1, by the draws' names: from rows of samples, a grid, or points."""
+def drawn(sampler: Sampler, draws: tuple[Draw, ...], first: int, last: int, points: np.ndarray | None = None
+          ) -> Iterator[dict[str, Value]]:
+    """The values of runs first ... last - 1, by the draws' names: from rows of samples, a grid, or points of the unit
+    cube, which are the sampler's unless `points` are given, shape (last - first, dimensions)."""
     ours = free(draws)
     rows = repeat({}) if sampler.samples is None else sampler.samples.read(first, last)
     if sampler.sampling == "grid":
         found: Iterable[dict[str, Value]] = (on_grid(ours, k) for k in range(first, last))
+    elif ours:
+        found = (draw(ours, u) for u in (sampler.points(first, last) if points is None else points))
     else:
-        found = (draw(ours, u) for u in sampler.points(first, last)) if ours else repeat({}, last - first)
+        found = repeat({}, last - first)
     for values, row in zip(found, rows):
         yield {**row, **values}

@@ -1,4 +1,5 @@
 """The campaign file's models. `docs/campaigns.md` says it in words."""
+import math
 from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, Field, field_validator, model_validator
@@ -108,9 +109,46 @@ class Correlation(Strict):
 class Signals(Strict):
     """Whose signals are kept: of a share of the runs, and of the failures."""
     share: float = Field(default=0.0, ge=0, le=1)
-    failures: bool = False
+    failures: bool | int = False
     record: list[str] = Field(default=[], description="component.variable, * for any; none: what metrics need")
     decimate: Whole = Field(default=10, ge=1)
+
+    @field_validator("failures", mode="before")
+    @classmethod
+    def truth_or_number(cls, value: Any) -> Any:
+        if not isinstance(value, int) or value < 0:
+            raise ValueError("true, false or a whole number is wanted")
+        return value
+
+    @property
+    def most_failures(self) -> float:
+        """Of how many failures of each law signals are kept."""
+        return math.inf if self.failures is True else int(self.failures)
+
+
+class StopWhen(Strict):
+    """Ends a campaign when the interval of a probability is narrow enough, for all laws; see `sequential`."""
+    probability: str = "success"
+    half_width: float = Field(gt=0, lt=0.5)
+    confidence: float = Field(default=0.95, gt=0, lt=1)
+
+    @property
+    def column(self) -> str:
+        """The column of runs.parquet with what the probability is of."""
+        return "success" if self.probability == "success" else f"success.{self.probability}"
+
+
+class Rare(Strict):
+    """Flies towards a failure that is too rare for plain sampling, level by level; see `rare`."""
+    failure: str | None = Field(default=None, description="a name of success; else all of them together")
+    method: Literal["subset-simulation", "cross-entropy"] = "subset-simulation"
+    runs_per_level: Whole = Field(default=1000, ge=100, le=1_000_000, multiple_of=10)
+    most_levels: Whole = Field(default=10, ge=1, le=100)
+
+    @property
+    def most_runs(self) -> int:
+        """Of all levels."""
+        return self.runs_per_level * self.most_levels
 
 
 class Named(Strict):
@@ -128,12 +166,14 @@ class Campaign(Named):
     seed: Whole = Field(default=0, ge=0, lt=2**63, description="required where something is drawn")
     sampling: Literal["random", "latin-hypercube", "sobol", "grid"] = "random"
     samples: str | None = Field(default=None, description="a .csv or .parquet file: a column a variable, a row a run")
-    dispersions: dict[Name, Dispersion] = Field(default={})
+    dispersions: dict[Name, Dispersion] = Field(default={}, min_length=1)
     correlations: list[Correlation] = Field(default=[])
     metrics: dict[MetricName, Readable] = Field(default={}, description="expressions; columns of runs.parquet")
-    success: dict[str, Readable] = Field(default={}, description="besides reaching the end")
+    success: dict[str, Readable] = Field(default={}, min_length=1, description="besides reaching the end")
     worst_by: str | None = Field(default=None, description="a metric; else the first that success names")
     signals: Signals = Signals()
+    rare: Rare | None = None
+    stop_when: StopWhen | None = None
     timeout_s: Positive = 60.0
     runs_per_task: Whole | None = Field(default=None, ge=1)
 
@@ -156,9 +196,22 @@ class Campaign(Named):
                                (not self.success and not grid, "success")):
             if missing:
                 raise ValueError(f"{field} is missing")
+        if self.rare and own:
+            raise ValueError("rare chooses its own points: samples does not belong here")
         if grid and (own or self.correlations):
             raise ValueError(f"a grid takes no {'samples' if own else 'correlations'}")
         return self
+
+    @model_validator(mode="before")
+    @classmethod
+    def runs_of_levels(cls, given: Any) -> Any:
+        """Runs that the levels make at most, where the file says none."""
+        if not isinstance(given, dict) or not isinstance(given.get("rare"), dict) or "runs" in given:
+            return given
+        try:
+            return {**given, "runs": Rare.model_validate(given["rare"]).most_runs}
+        except ValueError:  # what is wrong with it is said at its own place
+            return {**given, "runs": 1}
 
 
 def with_distribution(one: Any) -> Any:
