@@ -22,7 +22,6 @@ class Label:
         return ", ".join(filter(None, (f"{self.name} ({self.unit})" if self.unit else self.name, self.description)))
 
 
-
 def labels_of(names: Iterable[str], files: Fmus) -> dict[str, Label]:
     """Of variables component.variable; what no FMU has is called by its name alone."""
     found = {}

@@ -9,7 +9,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from ..master.whole_file import whole
-from . import charts
+from . import charts, grid
 from .curves import Curves
 from .front import stopping
 from .plan import Plan
@@ -31,6 +31,7 @@ pre { background: #f4f4f4; padding: .5em; font-size: 12px; white-space: pre-wrap
 .curves { display: flex; flex-wrap: wrap; gap: 1em; } .curves figure { margin: 0; width: 220px; font-size: 12px; }
 .curves polyline { fill: none; stroke: #2471a3; stroke-width: 1.2; } summary { cursor: pointer; }
 """
+MOST_LISTED = 12  # values of a distribution
 EXPLAINED = {
     "probability": ("Success", "Bars: share of the judged runs that reached the end and met every criterion. "
                     "Lines: an interval of {interval}."),
@@ -45,6 +46,7 @@ EXPLAINED = {
                 "that act together. Draws that are correlated share what they explain."),
     "scatter": ("{metric} against each dispersion, {law}", "The first {points} judged runs at most; the "
                 "twelve strongest."),
+    "sweep": ("{law}", "Over the grid. A cross is a run that was no success; a grey cell has no value."),
 }
 
 
@@ -63,11 +65,16 @@ def write(store: Store) -> dict[str, Any]:
         **({"stopped": stopping(rule, results)} if rule else {}),
         f"{subject.column}s": {r.law: r.summary(draws, metric, plan.metrics, subject.noun) for r in results},
         "paired": {f"{a.law} and {b.law}": paired(a, b) for i, a in enumerate(results) for b in results[i + 1:]}}
+    if plan.campaign.sampling == "grid":
+        summary["grid"] = {r.law: grid.extremes(plan, r) for r in results}
+    if plan.campaign.samples is not None:
+        summary["samples"] = plan.campaign.samples
     with whole(folder / "report.json") as partial:  # first: it needs no pictures
         partial.write_text(json.dumps(summary, indent=2) + "\n")
     pictures = {}
     (folder / "figures").mkdir(exist_ok=True)
-    for name, draw in charts.every(plan, results, errors, draws).items():
+    every = grid.pictures(plan, results) if "grid" in summary else charts.every(plan, results, errors, draws)
+    for name, draw in every.items():
         path = folder / "figures" / f"{name}.png"
         with whole(path) as partial:
             draw().savefig(partial, dpi=110, format="png")
@@ -93,6 +100,9 @@ def page(plan: Plan, summary: dict[str, Any], results: list[Results], pictures: 
         parts.append(f"<h2>{escape(title)}</h2><p class=note>{escape(note)}</p>"
                      f"<img alt='{escape(title, quote=True)}' src='data:image/png;base64,"
                      f"{base64.b64encode(png).decode()}'>")
+    if "grid" in summary:
+        parts.append("<h2>Least and greatest</h2>" + table([plan.subject.noun, "metric", "least", "greatest"],
+                                                           grid.table_rows(plan, summary["grid"])))
     parts += [worst(plan, r, curves) for r in results]
     parts += [not_judged(plan, r, curves) for r in results if r.others.num_rows]
     return ("<!doctype html><html lang=en><head><meta charset=utf-8><meta name=viewport content='width=device-width'>"
@@ -110,10 +120,11 @@ def introduction(plan: Plan) -> str:
              fields_text(d.distribution.model_dump(exclude={"also", "relative"}, exclude_none=True))
              + (f", times the nominal {d.factor:g}" if d.factor is not None else "")
              + (", as a period in s" if d.period else "")] for d in plan.draws[plan.laws[0]]]
+    sampling = escape(f"{campaign.samples}, and {campaign.sampling}" if campaign.samples else campaign.sampling)
     correlated = listed(escape(fields_text(group.model_dump(exclude_none=True))) for group in campaign.correlations)
     most = "At most " if campaign.stop_when else ""
     return (f"<p>{most}{campaign.runs:,} runs of {escape(subject.name)} ({subject.stop - subject.start:g} s in steps "
-            f"of {subject.step:g} s) for each {subject.noun}, seed {campaign.seed}, sampling {campaign.sampling}"
+            f"of {subject.step:g} s) for each {subject.noun}, seed {campaign.seed}, sampling {sampling}"
             f"{escape(subject.remark)}.</p>"
             f"{f'<p>Metrics of this campaign:</p>{own}' if campaign.metrics else ''}"
             f"<p>A run is a success if it reaches the end and</p>{success}"
@@ -140,8 +151,12 @@ def listed(items: Iterable[str]) -> str:
 
 def fields_text(given: dict[str, Any]) -> str:
     """The fields of a distribution or a correlation in a line."""
-    return ", ".join(str(v) if k == "distribution" else f"{k} {v:g}" if isinstance(v, float) else f"{k} {v}"
-                     for k, v in given.items())
+    def text(value: Any) -> str:
+        if isinstance(value, list) and len(value) > MOST_LISTED:
+            return f"({len(value):,} from {value[0]} to {value[-1]})"
+        return f"{value:g}" if isinstance(value, float) else str(value)
+
+    return ", ".join(str(v) if k == "distribution" else f"{k} {text(v)}" for k, v in given.items())
 
 
 def table(head: list[str], rows: list[list[Any]], kind: str = "") -> str:
@@ -160,14 +175,17 @@ def side_by_side(plan: Plan, summary: dict[str, Any]) -> str:
     statuses = sorted({s for law in found.values() for s in law["statuses"]})
     rows: list[list[Any]] = [
         ["successes", *(f"{x['successes']:,} of {x['judged']:,} judged" for x in found.values())],
-        ["probability of success", *(percent(x["probability"]) for x in found.values())],
-        ["95 % interval", *("{:.2f} to {:.2f} %".format(*(100 * p for p in x["interval_95"])) for x in found.values())],
+        ["share of successes" if "grid" in summary else "probability of success",
+         *(percent(x["probability"]) for x in found.values())],
+        *([] if "grid" in summary else [["95 % interval", *("{:.2f} to {:.2f} %".format(
+            *(100 * p for p in x["interval_95"])) for x in found.values())]]),
         *([f"failures of the {whose}", *(f"{x['failures'][whose]:,}" for x in found.values())]
           for whose in (noun, "machinery")),
         *([status, *(f"{x['statuses'].get(status, 0):,}" for x in found.values())] for status in statuses)]
     for name in plan.headlines:
         for key in ("median", "p95"):
-            rows.append([f"{with_unit(plan, name)}, {key}", *(x["metrics"].get(name, {}).get(key, "") for x in found.values())])
+            rows.append([f"{with_unit(plan, name)}, {key}",
+                         *(x["metrics"].get(name, {}).get(key, "") for x in found.values())])
     pairs = "".join(f"<p>{escape(both)} on the same draws: {escape(counts_text(counts))}.</p>"
                     for both, counts in summary["paired"].items())
     return (f"<h2>The {noun}s side by side</h2><p class=note>Runs that finished or departed are judged. A run that "
@@ -211,13 +229,13 @@ def first_of(table: pa.Table) -> list[dict[str, Any]]:
     return list(table.slice(0, 10).to_pylist())
 
 
-def commands(plan: Plan, runs: list[dict[str, Any]], curves: Curves) -> str:
+def commands(plan: Plan, runs: list[dict[str, Any]], curves: Curves | None = None) -> str:
     """Runs with how they ended, the command that repeats each, and below that its curves, as far as they were kept."""
     by, rows = plan.worst_by, []
     for row in runs:
         ended = f"{row['status']}: {row['message']}" if row["message"] else row["status"]
         shown = [] if by is None else ["" if row[by] is None else float(row[by])]
-        pictures = curves.of(row["run"], row[plan.subject.column])
+        pictures = curves.of(row["run"], row[plan.subject.column]) if curves else ""
         opened = f"<details><summary>curves</summary><div class=curves>{pictures}</div></details>" if pictures else ""
         rows.append([str(row["run"]), ended, *shown, f"<pre>{escape(command(plan, row))}</pre>{opened}"])
     return table(["run", "ended", *([with_unit(plan, by)] if by else []), "command"], rows, "commands")

@@ -18,6 +18,8 @@ JUDGED = ("finished", "departed")  # statuses that say something of the law; the
 
 def interval_text(sampling: str, sequence: Sequence | None = None) -> str:
     """What an interval is worth with a kind of sampling, or with a rule that ends the campaign."""
+    if sampling == "grid":
+        return "none: the points of a grid are not drawn"
     if sequence:
         return ("at least 95 % confidence, whatever ended the campaign (a confidence sequence: the beta-binomial "
                 "mixture of Robbins, in the form of Howard and others)")
