@@ -206,7 +206,7 @@ class Campaign(Named):
     @classmethod
     def runs_of_levels(cls, given: Any) -> Any:
         """Runs that the levels make at most, where the file says none."""
-        if not isinstance(given, dict) or not isinstance(given.get("rare"), dict) or "runs" in given:
+        if not isinstance(given, dict) or given.get("rare") is None or "runs" in given:
             return given
         try:
             return {**given, "runs": Rare.model_validate(given["rare"]).most_runs}
