@@ -42,6 +42,7 @@ def fitted(loop, tables, folder, seed):
     return fit(loop, names, ["plant.mass"], values=words, step=STEP)
 
 
+@pytest.mark.slow
 def test_five_flights_tell_the_mass(native_fmus, tmp_path):
     with subject() as loop:
         found = fitted(loop, clean(loop), tmp_path, 1)
