@@ -1,5 +1,4 @@
 """What `import cosim` offers beside the data: fly a system, fit its parameters, check an FMU."""
-import re
 from collections.abc import Mapping, Sequence
 from contextlib import nullcontext
 from math import isfinite
@@ -11,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from .errors import UsageError
 from .master.system import System, Value, as_path
+from .text import in_python
 
 if TYPE_CHECKING:
     from .conformance.report import Report
@@ -188,8 +188,3 @@ def demand(holds: bool, name: str, value: object, wanted: str) -> None:
     """Raises UsageError, one sentence about an argument, unless it `holds`."""
     if not holds:
         raise UsageError(f"{name} = {value!r} is not allowed: it must be {wanted}.")
-
-
-def in_python(sentence: str) -> str:
-    """The master's sentences name the options of the command line: `--time-limit` is `time_limit` here."""
-    return re.sub(r"--([a-z][a-z-]*)", lambda option: option[1].replace("-", "_"), sentence)

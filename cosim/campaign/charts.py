@@ -1,5 +1,6 @@
 """The report's pictures."""
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -9,8 +10,9 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from ..text import without_math
-from ..vehicle.metrics import HEADLINES, METRICS, OVER_TIME
-from .statistics import Results, interval
+from .plan import Plan
+from .statistics import Results
+from .subject import Figure as Metric
 
 WIDTH = 9.0
 POINTS = 2000      # of a scatter plot
@@ -41,7 +43,7 @@ def probability(results: list[Results]) -> Figure:
     made, axes = figure(0.8 + 0.5 * len(results))
     axis = axes[0, 0]
     for i, r in enumerate(results):
-        p, (low, high) = r.probability or 0.0, interval(r.successes, r.judged)
+        p, (low, high) = r.probability or 0.0, r.interval
         axis.barh(i, p, color=f"C{i}", alpha=0.6)
         axis.errorbar(p, i, xerr=[[max(0.0, p - low)], [max(0.0, high - p)]], color="k", capsize=6)
     axis.set_yticks(range(len(results)), [r.law for r in results])
@@ -52,13 +54,15 @@ def probability(results: list[Results]) -> Figure:
     return made
 
 
-def envelopes(results: list[Results], errors: pa.Table, stop: float) -> Figure:
-    """Quantiles over the runs that still fly, at each time (s) up to `stop`; below, how many that are."""
-    made, axes = figure(8.5, len(OVER_TIME) + 1, len(results), sharex=True, sharey="row")
+def envelopes(results: list[Results], errors: pa.Table, labels: Mapping[str, str], start: float, stop: float
+              ) -> Figure:
+    """Quantiles over the runs that still fly, at each time (s) from `start` to `stop`, of the columns of `labels`,
+    which are what is on the axis; below, how many runs that are."""
+    made, axes = figure(3.5 + 2.5 * len(labels), len(labels) + 1, len(results), sharex=True, sharey="row")
     for column, r in enumerate(results):
-        mine = errors.filter(pa.compute.equal(errors["controller"], r.law))
-        time, by_name = over_time(mine)
-        for row, (name, (label, _)) in enumerate(OVER_TIME.items()):
+        mine = errors.filter(pa.compute.equal(errors[r.column], r.law))
+        time, by_name = over_time(mine, labels)
+        for row, (name, label) in enumerate(labels.items()):
             axis, lines = axes[row, column], by_name[name]
             if len(lines):
                 levels = np.nanquantile(lines, [0.0, 0.05, 0.5, 0.95, 1.0], axis=0)
@@ -75,7 +79,7 @@ def envelopes(results: list[Results], errors: pa.Table, stop: float) -> Figure:
         if len(time) and time[-1] < stop * (1 - 1e-9):
             time, flying = np.append(time, [time[-1], stop]), np.append(flying, [0.0, 0.0])
         axes[-1, column].plot(time, flying, color=f"C{column}")
-        axes[-1, column].set_xlim(0, stop)
+        axes[-1, column].set_xlim(start, stop)
         axes[-1, column].set_ylim(-3, 103)
         axes[-1, column].set_xlabel("time (s)")
         axes[-1, column].grid(True, alpha=0.3)
@@ -84,21 +88,24 @@ def envelopes(results: list[Results], errors: pa.Table, stop: float) -> Figure:
     return made
 
 
-def over_time(errors: pa.Table) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+def over_time(errors: pa.Table, names: Iterable[str]) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """Time (s), shape (times,), of the run that flew the longest; name -> errors, shape (runs, times), NaN where a run
     had ended."""
     time = max((np.asarray(x, float) for x in errors["time"].to_pylist()), key=len, default=np.empty(0))
-    found = {name: np.full((errors.num_rows, len(time)), np.nan) for name in OVER_TIME}
+    found = {name: np.full((errors.num_rows, len(time)), np.nan) for name in names}
     for name, lines in found.items():
         for line, values in zip(lines, errors[name].to_pylist()):
             line[:len(values)] = values
     return time, found
 
 
-def histograms(results: list[Results], names: tuple[str, ...] = HEADLINES) -> Figure:
-    """How often each value of four metrics occurs."""
-    made, axes = figure(6.0, 2, 2)
-    for axis, name in zip(axes.flat, names):
+def histograms(results: list[Results], metrics: Mapping[str, Metric]) -> Figure:
+    """How often each value of the metrics occurs."""
+    rows = -(-len(metrics) // 2)
+    made, axes = figure(3.0 * rows, rows, 2)
+    for axis in axes.flat[len(metrics):]:
+        axis.set_visible(False)
+    for axis, (name, metric) in zip(axes.flat, metrics.items()):
         columns = [r.columns[name][np.isfinite(r.columns[name])] for r in results]
         together = np.concatenate(columns)
         log = wide(together)
@@ -110,19 +117,20 @@ def histograms(results: list[Results], names: tuple[str, ...] = HEADLINES) -> Fi
                 axis.hist(values, bins, alpha=0.5, label=r.law, color=f"C{i}")
         if log:
             axis.set_xscale("log")
-        axis.set_xlabel(f"{name} ({METRICS[name].unit})")
+        axis.set_xlabel(f"{name} ({metric.unit})" if metric.unit else name)
         axis.set_ylabel("runs")
         axis.grid(True, alpha=0.3)
     axes[0, 0].legend(fontsize="small")
     return made
 
 
-def drivers(results: list[Results], draws: list[str], metric: str) -> Figure:
+def drivers(results: list[Results], draws: list[str], metric: str | None) -> Figure:
     """Rank correlation of failure with each draw."""
     found = [r.drivers(draws, metric) for r in results]
     names = list(found[0])[:MOST_PANELS]
-    made, axes = figure(1.0 + 0.32 * len(names) * max(1, len(results) / 2), 1, 2, sharey=True)
-    for axis, what in zip(axes[0], ("failure", metric)):
+    shown = ["failure", metric] if metric else ["failure"]
+    made, axes = figure(1.0 + 0.32 * len(names) * max(1, len(results) / 2), 1, len(shown), sharey=True)
+    for axis, what in zip(axes[0], shown):
         for i, (r, by_draw) in enumerate(zip(results, found)):
             at = np.arange(len(names)) + (i - (len(results) - 1) / 2) * 0.8 / len(results)
             axis.barh(at, [by_draw[n][what] for n in names], 0.8 / len(results), color=f"C{i}", label=r.law)
@@ -160,17 +168,17 @@ def scatter(r: Results, draws: list[str], metric: str) -> Figure:
     return made
 
 
-def every(results: list[Results], errors: pa.Table, draws: list[str], metric: str,
-          stop: float) -> dict[str, Callable[[], Figure]]:
+def every(plan: Plan, results: list[Results], errors: pa.Table, draws: list[str]) -> dict[str, Callable[[], Figure]]:
     """File name -> how to draw it."""
-    made: dict[str, Callable[[], Figure]] = {
-        "probability": lambda: probability(results),
-        "histograms": lambda: histograms(results),
-    }
+    subject, metric = plan.subject, plan.worst_by
+    made: dict[str, Callable[[], Figure]] = {"probability": lambda: probability(results)}
+    if plan.headlines:
+        made["histograms"] = lambda: histograms(results, {name: plan.metrics[name] for name in plan.headlines})
     if errors.num_rows:
-        made["envelopes"] = lambda: envelopes(results, errors, stop)
+        labels = {name: label for name, (label, _) in subject.over_time.items()}
+        made["envelopes"] = lambda: envelopes(results, errors, labels, subject.start, subject.stop)
     if results[0].drivers(draws, metric):
         made["drivers"] = lambda: drivers(results, draws, metric)
-        for r in results:
-            made[f"scatter_{r.law}"] = lambda r=r: scatter(r, draws, metric)  # type: ignore[misc]
+        if metric is not None:
+            made |= {f"scatter_{r.law}": partial(scatter, r, draws, metric) for r in results}
     return made

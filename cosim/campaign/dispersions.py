@@ -23,15 +23,17 @@ def checked(files: Fmus, name: str, value: Value) -> Value:
 
 
 def on_signal(files: Fmus, name: str, suffix: str = "_base") -> str | None:
-    """The parameter of a scenario signal; None if `name` is no such signal."""
+    """The parameter that belongs to an output, such as scenario.scale_lift; None if `name` has none."""
     component, _, variable = name.partition(".")
     known = files[component].variables if component in files else {}
     is_signal = variable in known and known[variable].causality == "output" and variable + suffix in known
     return name + suffix if is_signal else None
 
 
-def all_draws(source: Source, campaign: Campaign, system: System, files: Fmus) -> tuple[Draw, ...]:
-    """Every uncertain number, in the order of the file.
+def all_draws(source: Source, campaign: Campaign, system: System, files: Fmus, driven: Mapping[str, str]
+              ) -> tuple[Draw, ...]:
+    """Every uncertain number, in the order of the file. `driven` are the inputs that are connected, each with its
+    output.
 
     Raises UsageError for a variable that cannot be set, is set twice, or may not have such values.
     """
@@ -43,6 +45,8 @@ def all_draws(source: Source, campaign: Campaign, system: System, files: Fmus) -
                 values = ends(one)
                 for target in one.targets:
                     check_kind(files, target, one)
+                    if target in driven:
+                        raise UsageError(f"{target} cannot be dispersed: {driven[target]} drives it.")
                     if target in taken:
                         raise UsageError(f"{target} is set by {taken[target]} already.")
                     taken[target] = name
@@ -67,8 +71,12 @@ def draws_of(name: str, dispersion: Dispersion, system: System, files: Fmus) -> 
     """The draws of one dispersion, up to three of a sinusoid. Raises UsageError for a name that does not fit."""
     if isinstance(dispersion, Sinusoid):
         if on_signal(files, name, "_sine_omega") is None:
-            signals = ", ".join(f"scenario.{n}" for n in files["scenario"].names("output"))
-            raise UsageError(f"{name} is no signal of the scenario; there are {signals}.")
+            signals = [f"{c}.{n}" for c in files for n in files[c].names("output")
+                       if on_signal(files, f"{c}.{n}", "_sine_omega")]
+            owners = " or ".join(f"the {c}" for c in dict.fromkeys(s.partition(".")[0] for s in signals))
+            raise UsageError(f"{name} is no signal of {owners}; there are {', '.join(signals)}." if signals else
+                             f"{name} cannot be a sinusoid: it is no output with parameters {name}_sine, "
+                             f"{name}_sine_omega and {name}_sine_phase.")
         return [Draw(name + suffix, (name + suffix,), part, period=key == "period")
                 for key, suffix in SINE.items() if not isinstance(part := getattr(dispersion, key), float)]
     targets = tuple(on_signal(files, n) or n for n in (name, *dispersion.also))

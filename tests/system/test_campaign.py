@@ -11,12 +11,11 @@ from pathlib import Path
 
 import pyarrow.parquet as pq
 import pytest
-from campaigns import TABLES, tables, written
+from campaigns import TABLES, load, tables, written
 from places import AHV
 from test_cases import ahv
 
 from cosim.campaign import cluster, engine
-from cosim.campaign.plan import load
 from cosim.campaign.resume import prepare
 from cosim.campaign.store import Store
 from cosim.campaign.worker import JOBS, fly_batch, requests

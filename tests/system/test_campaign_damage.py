@@ -7,11 +7,11 @@ from dataclasses import replace
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
-from campaigns import fly_here, tables, written
+from campaigns import fly_here, load, tables, written
 
 from cosim.campaign import campaign as whole_campaign
 from cosim.campaign import report
-from cosim.campaign.plan import key_of, load
+from cosim.campaign.plan import key_of
 from cosim.campaign.resume import prepare
 from cosim.campaign.store import Store
 from cosim.errors import RunError, UsageError

@@ -9,12 +9,11 @@ import time
 import psutil
 import pyarrow.parquet as pq
 import pytest
-from campaigns import fly_here, tables, written
+from campaigns import fly_here, load, tables, written
 from places import AHV
 
 from cosim.campaign import store as stores
 from cosim.campaign import worker
-from cosim.campaign.plan import load
 from cosim.campaign.receipt import Receipt
 from cosim.campaign.resume import prepare
 from cosim.campaign.store import Store
