@@ -1,4 +1,4 @@
-"""Draws the playground as browsers show it, one in light and one in dark, side by side: docs/pictures/playground.png."""
+"""Draws the playground as browsers show it, one in light and one in dark: docs/pictures/playground.png."""
 import io
 import sys
 import tempfile
@@ -37,7 +37,7 @@ def main(folder: Path) -> None:
     for one in shots:
         picture.paste(one, (at, 0))
         at += one.width + GAP
-    picture.quantize(128).save(folder / "playground.png", optimize=True)
+    picture.save(folder / "playground.png", optimize=True)
 
 
 if __name__ == "__main__":
