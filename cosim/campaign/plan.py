@@ -148,6 +148,7 @@ def read(source: Source, *subjects: type[Subject]) -> tuple[Campaign, type[Subje
 
 def make(campaign: Campaign, source: Source, kind: type[Subject]) -> Plan:
     """The plan of a campaign. Raises UsageError, with line and field, for what does not fit the FMUs."""
+    check_stop_when(source, campaign)
     subject = kind(campaign, source)
     with source.at("stop" if campaign.stop else "step"):
         ticks = tick_count(subject.step, subject.stop, subject.start)
@@ -170,7 +171,6 @@ def make(campaign: Campaign, source: Source, kind: type[Subject]) -> Plan:
             replace(c, fmu=Path(stored[c.name])) for c in system.components))
     first = draws[next(iter(systems))]
     check_measures(source, campaign, subject, signals, [d.name for d in first])
-    check_stop_when(source, campaign)
     sampler = Sampler(campaign.sampling, campaign.seed, campaign.runs, len(first),
                       all_mixings(source, campaign, first))
     runs_per_task = campaign.runs_per_task or task_size(campaign.runs, ticks * len(systems), python)
