@@ -27,8 +27,9 @@ def campaign(path: Path, out: Path | None = None, scheduler: str | None = None, 
     """Fly the campaign in the file at `path` and write its results; a summary as JSON goes.
 
     `tls` are the files of CA, certificate and key for a `scheduler`; `dashboard` opens Dask's on the cluster of this
-    machine, for everybody who can reach the port; `subjects` is what the file may be about beside a system's file. Raises UsageError before any run flies if the file cannot be flown;
-    RunError if the cluster was lost, the disk is full or the report cannot be drawn: what was flown is kept.
+    machine, for everybody who can reach the port. `subjects` are what a file may be about, beside any system's file.
+    Raises UsageError before any run flies if the file cannot be flown; RunError if the cluster was lost, the disk is
+    full or the report cannot be drawn: what was flown is kept.
     """
     began = time.perf_counter()
     if tls and not (scheduler or "").startswith("tls://"):

@@ -1,5 +1,6 @@
 """The report's pictures."""
 from collections.abc import Callable, Iterable, Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -178,6 +179,6 @@ def every(plan: Plan, results: list[Results], errors: pa.Table, draws: list[str]
         made["envelopes"] = lambda: envelopes(results, errors, labels, subject.start, subject.stop)
     if results[0].drivers(draws, metric):
         made["drivers"] = lambda: drivers(results, draws, metric)
-        for r in results if metric else ():
-            made[f"scatter_{r.law}"] = lambda r=r: scatter(r, draws, metric)  # type: ignore[misc]
+        if metric is not None:
+            made |= {f"scatter_{r.law}": partial(scatter, r, draws, metric) for r in results}
     return made

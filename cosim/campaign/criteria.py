@@ -1,41 +1,63 @@
-"""Success criteria: expressions (master.measures) that are true or false of a run, such as
-`altitude_error_ft.max_abs < 20 and elevator_deg.travel < 300`."""
-from collections.abc import Mapping
-from typing import Annotated
+"""Metrics and success criteria of a campaign file: expressions (master.measures), such as
+`altitude_error_ft.max_abs < 20 and elevator_deg.travel < 300`. They are checked before anything flies, and valued in
+the worker."""
+from collections.abc import Collection, Mapping
+from functools import cache
 
-from pydantic import AfterValidator
-
-from ..errors import UsageError
+from ..errors import UsageError, did_you_mean
 from ..master.course import Course
-from ..master.evaluate import TRUTH
-from ..master.measures import check, parse
-from ..vehicle.metrics import METRICS
+from ..master.evaluate import NUMBER, TRUTH
+from ..master.flight import Flight
+from ..master.measures import check, parse, values
+from ..yaml_file import Source
+from .spec import Campaign
+from .subject import Measure, Subject
 
 
-def nothing(name: str) -> Course:
-    """The signals of a run that shows metrics only. Raises UsageError."""
-    raise UsageError(f"there is no {name}")
+def check_measures(source: Source, campaign: Campaign, subject: Subject, signals: Collection[str],
+                   drawn: Collection[str]) -> None:
+    """Raises UsageError, with line and field, for a metric or criterion that is none, or names what there is not.
+
+    `signals` are those of all variants together, `drawn` the columns of the draws.
+    """
+    known = list(subject.metrics)
+    taken = {"run", subject.column, "seed", "status", "message", "success", "ticks", "departed_at_s",
+             *(f"success.{name}" for name in campaign.success), *drawn, *signals}
+    for name, text in campaign.metrics.items():
+        with source.at("metrics", name):
+            if name in known or name in taken:
+                kind = "metric" if name in known else "column or a signal"
+                raise UsageError(f"there is a {kind} of this name already")
+            check(parse(text), signals, known, NUMBER)
+        known.append(name)
+    for name, text in campaign.success.items():
+        with source.at("success", name):
+            check(parse(text), signals, known, TRUTH)
+    if campaign.worst_by not in (None, *known):
+        source.fail(("worst_by",), f"there is no {campaign.worst_by}; there are {', '.join(known) or 'no metrics'}")
+    for i, name in enumerate(getattr(campaign, "over_time", ())):
+        if name not in signals:
+            source.fail(("over_time", i), f"there is no signal {name}{did_you_mean(name, signals)}")
 
 
-def judged(text: str, metrics: Mapping[str, float | None]) -> bool:
-    """Whether the expression is true. Raises ValueError, with the reason, where it has no value."""
-    return bool(parse(text).value(nothing, metrics))
+def judged(measure: Measure, metrics: Mapping[str, str], success: Mapping[str, str], flight: Flight
+           ) -> tuple[dict[str, float], dict[str, bool], dict[str, str]]:
+    """What a flight shows: the metrics that it has; the criteria; why criteria without a value have none.
 
+    A criterion without a value is false, and so is every one of a flight that did not reach its end.
+    """
+    @cache
+    def course(name: str) -> Course:
+        if name not in flight:
+            raise UsageError(f"there is no {name}")
+        return flight.course(name)
 
-def holds(text: str, metrics: Mapping[str, float | None]) -> bool:
-    """Whether the expression is true; one without a value, as where a metric is missing, is not."""
-    return parse(text).holds(nothing, metrics)
-
-
-def metrics_of(text: str) -> tuple[str, ...]:
-    """The metrics that the expression uses, in its order. Raises ValueError as `parse` does."""
-    return parse(checked(text)).names
-
-
-def checked(text: str) -> str:
-    """`text` itself. Raises ValueError if it is no expression, or not true or false."""
-    check(parse(text), (), METRICS, TRUTH)
-    return text
-
-
-Criterion = Annotated[str, AfterValidator(checked)]
+    found = {**dict.fromkeys(metrics), **measure(flight)}
+    found |= values({name: parse(text) for name, text in metrics.items()}, course, found)
+    held, reasons = {}, {}
+    for name, text in success.items():
+        try:
+            held[name] = bool(parse(text).value(course, found)) and flight.finished
+        except ValueError as reason:
+            held[name], reasons[name] = False, str(reason)
+    return {name: value for name, value in found.items() if value is not None}, held, reasons

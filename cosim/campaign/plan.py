@@ -2,22 +2,22 @@
 import hashlib
 import json
 import math
-from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from pydantic import create_model
 
-from ..errors import UsageError, did_you_mean
+from ..errors import UsageError
 from ..master.algorithms import method
 from ..master.connections import checked_connections, recorded_names
 from ..master.fly import tick_count
 from ..master.loaded import open_files
-from ..master.measures import NUMBER, TRUTH, check, parse
+from ..master.measures import parse
 from ..master.system import System, Value
 from ..yaml_file import Source
 from .code import CODE
+from .criteria import check_measures
 from .dispersions import Fmus, all_draws, all_mixings, checked, constants, with_values
 from .sampling import Draw, Sampler
 from .spec import Campaign
@@ -128,7 +128,7 @@ def load(path: Path, *subjects: type[Subject]) -> Plan:
 
 def read(source: Source, *subjects: type[Subject]) -> tuple[Campaign, type[Subject]]:
     """What a campaign file says, and what kind of subject it is of. Raises UsageError for a field that is wrong."""
-    kinds = (*subjects, SystemSubject)
+    kinds: tuple[type[Subject], ...] = (*subjects, SystemSubject)
     given = source.data if isinstance(source.data, dict) else {}
     named = [kind for kind in kinds if kind.field in given]
     if len(named) > 1:
@@ -142,7 +142,8 @@ def read(source: Source, *subjects: type[Subject]) -> tuple[Campaign, type[Subje
         known = {name for kind in kinds for name in (*kind.fields.model_fields, *Campaign.model_fields)}
         if all(name in known for name in given):
             source.fail((), f"{' or '.join(kind.field for kind in kinds)} is missing")
-    model = create_model("CampaignFile", __base__=(Campaign, subject.fields))
+    bases: tuple[Any, ...] = (Campaign, subject.fields)
+    model: type[Campaign] = create_model("CampaignFile", __base__=bases)
     return source.load(model), subject
 
 
@@ -155,12 +156,12 @@ def make(campaign: Campaign, source: Source, kind: type[Subject]) -> Plan:
     with source.at("algorithm"):
         method(subject.algorithm)
     systems, record, draws, fmus = {}, {}, {}, {}
-    signals: dict[str, set[str]] = {}
+    signals: set[str] = set()
     for variant, system in subject.systems.items():
         with open_files(system) as files:
             driven = check_values(source, campaign, subject, variant, system, files)
             draws[variant] = all_draws(source, campaign, system, files, driven)
-            signals[variant] = recorded_names(system, dict(files), ["*"])
+            signals |= recorded_names(system, dict(files), ["*"])
             record[variant] = recorded(source, campaign, subject, system, files)
             fixed = constants(source, campaign, files)
             system = with_values(system, fixed)
@@ -211,30 +212,6 @@ def check_values(source: Source, campaign: Campaign, subject: Subject, variant: 
                 checked(files, f"{component.name}.{variable}", value)
     with source.at(subject.wires):
         return {target: link.source for target, link in checked_connections(system, dict(files)).items()}
-
-
-def check_measures(source: Source, campaign: Campaign, subject: Subject, signals: Mapping[str, Collection[str]],
-                   drawn: Collection[str]) -> None:
-    """Raises UsageError for a metric or criterion that is none, or that names what no variant has."""
-    known, there = list(subject.metrics), {name for names in signals.values() for name in names}
-    taken = {"run", subject.column, "seed", "status", "message", "success", "ticks", "departed_at_s", *drawn, *there}
-    for name, text in campaign.metrics.items():
-        with source.at("metrics", name):
-            if name in known:
-                raise UsageError(f"there is a metric {name} already")
-            if name in taken or name.startswith("success."):
-                raise UsageError(f"{name} is a column or a signal already")
-            check(parse(text), there, known, NUMBER)
-        known.append(name)
-    for name, text in campaign.success.items():
-        with source.at("success", name):
-            check(parse(text), there, known, TRUTH)
-    if campaign.worst_by not in (None, *known):
-        source.fail(("worst_by",), f"there is no {campaign.worst_by}; there are {', '.join(known)}")
-    for i, name in enumerate(subject.over_time if "over_time" in campaign.model_fields_set else ()):
-        with source.at("over_time", i):
-            if name not in there:
-                raise UsageError(f"there is no signal {name}{did_you_mean(name, there)}")
 
 
 def recorded(source: Source, campaign: Campaign, subject: Subject, system: System, files: Fmus) -> list[str]:

@@ -178,7 +178,8 @@ def counts_text(counts: dict[str, int]) -> str:
 def worst(plan: Plan, r: Results) -> str:
     """The ten worst of a law's judged runs."""
     return (f"<h2>The worst ten, {escape(r.law)}</h2><p class=note>What did not reach the end, the earliest first; "
-            f"then {f'by {escape(plan.worst_by)}' if plan.worst_by else 'what was no success'}. Each command repeats its run.</p>"
+            f"then {f'by {escape(plan.worst_by)}' if plan.worst_by else 'what was no success'}. "
+            "Each command repeats its run.</p>"
             + commands(plan, r.worst(plan.worst_by)))
 
 

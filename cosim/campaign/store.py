@@ -64,6 +64,11 @@ class Store:
         self.complete = False                 # all tables are there
         self.front = Front(plan.laws, plan.job.most_failures, plan.campaign.stop_when)
 
+    @property
+    def column(self) -> str:
+        """The column that says which variant a row is of."""
+        return self.plan.subject.column
+
     def file(self, kind: str) -> Path:
         """The final file of a kind."""
         return self.folder / f"{kind}.parquet"
@@ -148,7 +153,7 @@ class Store:
     def line(self, outcome: Outcome) -> dict[str, Any]:
         """An outcome as a row of runs.parquet."""
         request = outcome.request
-        return {"run": request.run, self.plan.subject.column: request.law, "seed": self.plan.campaign.seed, **request.drawn,
+        return {"run": request.run, self.column: request.law, "seed": self.plan.campaign.seed, **request.drawn,
                 "status": outcome.status, "message": outcome.message, "success": outcome.succeeded,
                 **{f"success.{name}": outcome.success.get(name, False) for name in self.plan.campaign.success},
                 "ticks": outcome.ticks, "departed_at_s": outcome.departed_at_s, **outcome.metrics}
@@ -156,8 +161,7 @@ class Store:
     def errors_line(self, outcome: Outcome) -> dict[str, Any] | None:
         """An outcome as a row of errors.parquet; None if its errors were not kept."""
         request = outcome.request
-        return None if outcome.errors is None else {"run": request.run, self.plan.subject.column: request.law,
-                                                    **outcome.errors}
+        return None if outcome.errors is None else {"run": request.run, self.column: request.law, **outcome.errors}
 
     def signals(self, rows: list[Outcome]) -> pa.Table:
         """The signals that outcomes kept, as rows of signals.parquet."""
@@ -167,7 +171,8 @@ class Store:
             if outcome.signals is None or not (request.keep or self.front.keeps(request.run, request.law)):
                 continue
             count = len(outcome.signals["time"])
-            given = {"run": pa.array([request.run] * count, pa.int64()), self.plan.subject.column: pa.array([request.law] * count), **{name: pa.array(column) for name, column in outcome.signals.items()}}
+            given = {"run": pa.array([request.run] * count, pa.int64()), self.column: pa.array([request.law] * count),
+                     **{name: pa.array(values) for name, values in outcome.signals.items()}}
             tables.append(pa.Table.from_arrays([given.get(f.name, pa.nulls(count, f.type)) for f in schema],
                                                schema=schema))
         return pa.concat_tables(tables) if tables else schema.empty_table()

@@ -29,8 +29,14 @@ TakeCourse = Callable[[Flight, str], Course]
 
 class Figure(Protocol):
     """What pages say of a metric."""
-    unit: str
-    headline: str  # not empty: it is one of those that variants are judged by
+
+    @property
+    def unit(self) -> str:
+        """Its unit; empty where it is not known."""
+
+    @property
+    def headline(self) -> str:
+        """In words, if it is one of those that variants are judged by; else empty."""
 
 
 class Subject(Protocol):
@@ -149,7 +155,7 @@ class SystemSubject:
         self.over_time: Mapping[str, tuple[str, str]] = {name: (name, name) for name in asked.over_time}
         self.measure: Measure = nothing
         self.course: TakeCourse = signal
-        self.said = {
+        self.said: Mapping[str, Any] = {
             "system": {"name": found.name, "components": {c.name: c.values for c in found.system.components},
                        "connections": [[c.source, c.target, c.factor, c.offset] for c in found.system.connections]},
             "start": self.start, "stop": self.stop, "step": self.step, "algorithm": self.algorithm,
@@ -172,12 +178,15 @@ class SystemSubject:
                                                 if c.name in variant.fmus else c for c in system.components))
 
     def needed(self, signals: Set[str]) -> set[str]:
+        """Which of `signals` are drawn over time."""
         return {name for name in self.over_time if name in signals}
 
     def implied(self, variant: str, drawn: Container[str]) -> Mapping[str, Value]:
+        """Nothing: the file of the system says the rest."""
         return {}
 
     def command(self, variant: str) -> list[str]:
+        """The words that fly a variant, but for values and folder."""
         words = ["ahv", "simulate", str(self.path)]
         for component, word in self.variants[variant].fmus.items():
             words += ["--fmu", f"{component}={self.fmu(word)}"]

@@ -9,7 +9,6 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -22,12 +21,12 @@ from ..master.course import Course
 from ..master.flight import Flight
 from ..master.fly import fly_loaded
 from ..master.loaded import Master, open_files
-from ..master.measures import parse
 from ..master.recording import Whole
 from ..master.system import System, Value
 from ..master.whole_file import whole
 from ..temporary import FULL
 from .code import CODE, differences
+from .criteria import judged
 from .dispersions import with_values
 from .plan import Job
 from .sampling import draw, keeps_signals
@@ -218,7 +217,7 @@ class LoadedSystems:
 
     def outcome(self, request: Request, flight: Flight, status: str) -> Outcome:
         """What a flight shows of the request."""
-        metrics, success, reasons = judged(self.job, flight)
+        metrics, success, reasons = judged(self.job.measure, self.job.metrics, self.job.success, flight)
         ended = None if flight.finished else flight.reached
         result = Outcome(request, status, flight.message, flight.ticks, ended, metrics, success, reasons)
         if request.envelope and self.job.over_time:
@@ -238,29 +237,6 @@ def disk_is_full(error: BaseException | None) -> bool:
             return True
         error = error.__context__
     return False
-
-
-def judged(job: Job, flight: Flight) -> tuple[dict[str, float], dict[str, bool], dict[str, str]]:
-    """What a flight shows: metrics, as far as it has them; criteria; why those without a value have none."""
-    @cache
-    def course(name: str) -> Course:
-        if name not in flight:
-            raise UsageError(f"there is no {name}")
-        return flight.course(name)
-
-    found = dict(job.measure(flight))
-    for name, text in job.metrics.items():
-        try:
-            found[name] = float(parse(text).value(course, found))
-        except ValueError:
-            found[name] = None
-    success, reasons = {}, {}
-    for name, text in job.success.items():
-        try:
-            success[name] = bool(parse(text).value(course, found)) and flight.finished
-        except ValueError as reason:
-            success[name], reasons[name] = False, str(reason)
-    return {name: value for name, value in found.items() if value is not None}, success, reasons
 
 
 def errors_over_time(courses: Mapping[str, Course], step: float, ticks: int, start: float = 0.0

@@ -10,7 +10,7 @@ from .. import names
 from ..master.system import System, Value
 from ..yaml_file import Source
 from . import scenarios
-from .closed_loop import FLAVOURS, FOLLOWS, absolute, assignments, closed_loop, law_name, names_file
+from .closed_loop import FLAVOURS, FOLLOWS, ClosedLoop, absolute, assignments, closed_loop, law_name, names_file
 from .metrics import METRICS, OVER_TIME, measured, needed
 from .registry import PLANTS
 from .signals import course
@@ -85,24 +85,26 @@ class Laws:
             self.word = beside(source.path, asked.scenario)
             self.scenario = scenarios.load(self.word)
         self.name, self.asked, self.folder = self.scenario.name, asked, folder
-        self.start, self.stop, self.step = 0.0, campaign.stop or self.scenario.stop, campaign.step or 0.01
+        self.start = 0.0
+        self.stop: float = campaign.stop or self.scenario.stop
+        self.step: float = campaign.step or 0.01
         self.algorithm: str = campaign.algorithm or "gauss-seidel"
         self.tolerance: float | None = None
         self.laws = {law.name: law for law in asked.controllers}
-        self.loops, self.places = {}, {}
+        self.loops: dict[str, ClosedLoop] = {}
         for i, law in enumerate(asked.controllers):
             with source.at("controllers", i):
                 presets = {**asked.presets, **({"controller": law.preset} if law.preset else {})}
                 values = assignments([f"{name}={value}" for name, value in {**campaign.set, **law.set}.items()])
                 self.loops[law.name] = closed_loop(self.scenario, law.law, asked.plant, asked.flavour, presets, values,
                                                    folder=folder)
-            self.places[law.name] = "controllers", i
+        self.places: Mapping[str, tuple[str | int, ...]] = {law: ("controllers", i) for i, law in enumerate(self.laws)}
         self.sets: Mapping[str, Mapping[str, Value]] = {name: law.set for name, law in self.laws.items()}
         self.systems: Mapping[str, System] = {name: loop.system for name, loop in self.loops.items()}
         self.remark = f", flavour {asked.flavour}, plant {asked.plant}"
         self.remarks: Sequence[str] = []
-        self.said = {"scenario": self.scenario.model_dump(mode="json"), "step": self.step, "stop": self.stop,
-                     "algorithm": self.algorithm}
+        self.said: Mapping[str, Any] = {"scenario": self.scenario.model_dump(mode="json"), "step": self.step,
+                                        "stop": self.stop, "algorithm": self.algorithm}
         self.metrics: Mapping[str, Figure] = METRICS
         self.worst_by: str | None = next(iter(METRICS))
         self.over_time: Mapping[str, tuple[str, str]] = OVER_TIME

@@ -16,10 +16,9 @@ import psutil
 import pyarrow.parquet
 import pytest
 import small
-from campaigns import written
+from campaigns import load, written
 from places import AHV
 
-from cosim.campaign.plan import load
 from cosim.campaign.resume import prepare
 from cosim.campaign.store import Store
 from cosim.ssp.write import write

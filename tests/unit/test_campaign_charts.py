@@ -11,6 +11,10 @@ from cosim.campaign.charts import drivers, envelopes, histograms, over_time, pro
 from cosim.campaign.statistics import Results
 from cosim.vehicle.metrics import HEADLINES, METRICS, OVER_TIME
 
+FLOWN = SimpleNamespace(law="x", column="controller")
+LABELS = {name: label for name, (label, _) in OVER_TIME.items()}
+JUDGED_BY = {name: METRICS[name] for name in HEADLINES}
+
 
 def errors(*runs):
     """errors.parquet of runs of law `x`: (times, altitude errors, velocity errors) each."""
@@ -20,8 +24,8 @@ def errors(*runs):
 
 
 def test_curves_have_the_times_of_the_rows_where_no_run_reaches_the_end():
-    axes = envelopes([SimpleNamespace(law="x")], errors(([0, 5, 10], [0, 1, 2], [0, 0, 0]),
-                                                        ([0, 5], [0, 3], [0, 2])), 100.0).axes
+    axes = envelopes([FLOWN], errors(([0, 5, 10], [0, 1, 2], [0, 0, 0]),
+                                                        ([0, 5], [0, 3], [0, 2])), LABELS, 0.0, 100.0).axes
     for axis, expected in zip(axes, ([0, 2, 2], [0, 1, 0])):
         assert axis.lines[0].get_xdata().tolist() == [0, 5, 10] and axis.lines[0].get_ydata().tolist() == expected
         assert axis.get_xlim() == (0, 100)
@@ -30,22 +34,22 @@ def test_curves_have_the_times_of_the_rows_where_no_run_reaches_the_end():
 
 
 def test_runs_that_reach_the_end_fly_to_the_end():
-    flying = envelopes([SimpleNamespace(law="x")], errors(([0, 5], [0, 1], [0, 0])), 5.0).axes[2].lines[0]
+    flying = envelopes([FLOWN], errors(([0, 5], [0, 1], [0, 0])), LABELS, 0.0, 5.0).axes[2].lines[0]
     assert (flying.get_xdata().tolist(), flying.get_ydata().tolist()) == ([0, 5], [100, 100])
 
 
 def test_bands_are_quantiles_over_the_runs_that_still_fly():
     runs = [([0, 1], [0, float(k)], [0, 0]) for k in range(21)]
-    axis = envelopes([SimpleNamespace(law="x")], errors(*runs), 1.0).axes[0]
+    axis = envelopes([FLOWN], errors(*runs), LABELS, 0.0, 1.0).axes[0]
     ends = [{float(y) for x, y in band.get_paths()[0].vertices if x == 1} for band in axis.collections]
     assert ends == [{0, 20}, {1, 19}]
 
 
 def test_rows_of_runs_that_ended_are_left_empty():
-    time, found = over_time(errors(([0], [7], [1]), ([0, 2], [8, 9], [1, 1])))
+    time, found = over_time(errors(([0], [7], [1]), ([0, 2], [8, 9], [1, 1])), OVER_TIME)
     assert time.tolist() == [0, 2]
     assert np.array_equal(found["altitude_error_ft"], [[7, np.nan], [8, 9]], equal_nan=True)
-    assert over_time(errors())[1]["altitude_error_ft"].shape == (0, 0)
+    assert over_time(errors(), OVER_TIME)[1]["altitude_error_ft"].shape == (0, 0)
 
 
 @pytest.mark.parametrize("values,expected", [
@@ -63,7 +67,7 @@ def results(law="x", runs=40, **columns):
             "a.b": np.resize([0.2, 0.9, 0.4, 0.6, 0.1], runs), "status": ["finished"] * runs, **{
                 name: 10 * a if name == "altitude_error_ft.max_abs" else np.full(runs, 3.0) for name in METRICS},
             **columns}
-    return Results.of(law, pa.table(rows))
+    return Results.of(law, pa.table(rows), "controller")
 
 
 def test_bars_are_the_shares_of_successes():
@@ -73,7 +77,7 @@ def test_bars_are_the_shares_of_successes():
 
 
 def test_histograms_show_every_run_of_the_metrics_that_laws_are_judged_by():
-    axes = histograms([results()]).axes
+    axes = histograms([results()], JUDGED_BY).axes
     assert [axis.get_xlabel() for axis in axes] == [f"{name} ({METRICS[name].unit})" for name in HEADLINES]
     assert all(sum(bar.get_height() for bar in axis.patches) == 40 for axis in axes)
     assert axes[0].get_xscale() == "linear"
@@ -100,7 +104,7 @@ def texts(legend):
 
 
 def test_envelopes_say_what_they_show_at_the_left_and_in_the_first_panel():
-    axes = envelopes([SimpleNamespace(law="x")] * 2, errors(([0, 5], [0, 1], [0, 0])), 5.0).axes
+    axes = envelopes([FLOWN] * 2, errors(([0, 5], [0, 1], [0, 0])), LABELS, 0.0, 5.0).axes
     labels = [label for label, _ in OVER_TIME.values()]
     assert [axis.get_ylabel() for axis in axes[::2]] == [*labels, "still flying (%)"]
     assert {axis.get_ylabel() for axis in axes[1::2]} == {""}
@@ -110,7 +114,7 @@ def test_envelopes_say_what_they_show_at_the_left_and_in_the_first_panel():
 
 def test_histograms_of_values_of_different_size_are_logarithmic_and_the_first_tells_the_laws():
     values = np.geomspace(1, 1000, 40)
-    axes = histograms([results(**{HEADLINES[1]: values}), results("y")]).axes
+    axes = histograms([results(**{HEADLINES[1]: values}), results("y")], JUDGED_BY).axes
     assert [axis.get_xscale() for axis in axes] == ["linear", "log", "linear", "linear"]
     assert texts(axes[0].get_legend()) == ["x", "y"] and [axis.get_legend() for axis in axes[1:]] == [None] * 3
 

@@ -3,12 +3,34 @@ import time
 
 import pytest
 
-from cosim.campaign.criteria import checked, holds, judged, metrics_of
+from cosim.errors import UsageError
+from cosim.master.evaluate import TRUTH
+from cosim.master.measures import check, parse
 from cosim.vehicle.metrics import METRICS as KNOWN
 
 METRICS = {"altitude_error_ft.max_abs": 5.0, "elevator_deg.min": -3.0, "elevator_deg.travel": 40.0,
            "fuel_ratio.max": 0.0, "velocity_error_fps.rms": float("nan")}
 X, Y = "altitude_error_ft.max_abs", "elevator_deg.travel"
+
+
+def nothing(name):
+    raise UsageError(f"there is no {name}")
+
+
+def judged(text, metrics):
+    return parse(text).value(nothing, metrics)
+
+
+def holds(text, metrics):
+    return parse(text).holds(nothing, metrics)
+
+
+def checked(text):
+    check(parse(text), (), KNOWN, TRUTH)
+
+
+def metrics_of(text):
+    return parse(text).names
 
 
 @pytest.mark.parametrize("text,expected", [
