@@ -266,8 +266,9 @@ def test_a_rule_that_was_changed_after_results_were_seen_is_refused(tmp_path):
 
 @pytest.mark.slow
 def test_500_runs_grown_to_2000_by_other_workers_and_killed_meanwhile_equal_2000_at_once(tmp_path):
-    changes = {"controllers": ["neural"], "sampling": "random", "signals": {"failures": 20}, "runs_per_task": None}
-    few, more = written(tmp_path / "few", runs=500, **changes), written(tmp_path / "more", runs=2000, **changes)
+    changes = {"controllers": ["neural"], "sampling": "random", "signals": {"failures": 20}, "runs_per_task": 20}
+    few, more = written(tmp_path / "few", runs=500, **changes), written(
+        tmp_path / "more", runs=2000, **{**changes, "runs_per_task": 25})
     out = tmp_path / "out"
     ahv("campaign", few, "--out", out, "--workers", 2)
     client = client_begun(more, out, "--workers", "1", "--resume")
