@@ -52,7 +52,10 @@ def campaign(path: Path, out: Path | None = None, scheduler: str | None = None, 
 def reported(store: Store) -> dict[str, Any]:
     """The report's numbers, once it is written. Raises RunError if that fails, for whatever reason."""
     try:
-        from .report import write  # imports matplotlib, which is slow
+        if store.plan.campaign.rare:
+            from .rare_report import write
+        else:
+            from .report import write  # imports matplotlib, which is slow
 
         return write(store)
     except Exception as error:
@@ -78,7 +81,13 @@ def fly(plan: Plan, store: Store, scheduler: str | None, workers: int | None, tl
             Thread(target=import_for_report, daemon=True).start()
             with shown(plan.campaign.name, total, rows, successes,
                        client.dashboard_link if dashboard or (scheduler and on_terminal()) else None) as progress:
-                Engine(client, plan, store, progress).run()
+                engine = Engine(client, plan, store, progress)
+                if plan.campaign.rare:
+                    from .rare_flights import fly as fly_levels
+
+                    fly_levels(engine, plan, store)
+                else:
+                    engine.run()
     flying, flown = time.perf_counter() - began, store.counts()[0] - rows
     store.finish()
     return flown, flying

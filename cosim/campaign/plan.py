@@ -19,6 +19,7 @@ from ..yaml_file import Source
 from .code import CODE
 from .criteria import check_measures
 from .dispersions import Fmus, all_draws, all_mixings, checked, constants, with_values
+from .rare_rules import check_rare, towards, version, whole_tasks
 from .sampling import Draw, Sampler
 from .spec import Campaign
 from .subject import Figure, Measure, Subject, SystemSubject, TakeCourse, nothing, signal
@@ -27,7 +28,7 @@ from .subject import Figure, Measure, Subject, SystemSubject, TakeCourse, nothin
 WHOLE_ONLY = {"latin-hypercube": "A Latin hypercube divides each range into as many strata as there are runs",
               "grid": "A grid has a run for each of its points"}
 TICKS_PER_TASK, MOST_PER_TASK, LEAST_TASKS = 200_000, 200, 16
-IF_GIVEN = ("metrics", "stop_when")  # fields that campaign.json has only where the file has them
+IF_GIVEN = ("metrics", "rare", "stop_when")  # fields that campaign.json has only where the file has them
 
 
 @dataclass(frozen=True)
@@ -53,6 +54,7 @@ class Job:
     over_time: dict[str, str] = field(default_factory=dict)   # name -> expression
     measure: Measure = nothing            # the subject's own metrics
     course: TakeCourse = signal           # of what is drawn over time
+    towards: tuple[str, ...] = ()         # criteria of which the margin is wanted
 
 
 @dataclass(frozen=True)
@@ -151,7 +153,7 @@ def make(campaign: Campaign, source: Source, kind: type[Subject]) -> Plan:
     """The plan of a campaign. Raises UsageError, with line and field, for what does not fit the FMUs."""
     check_stop_when(source, campaign)
     subject = kind(campaign, source)
-    with source.at("stop" if campaign.stop else "step"):
+    with source.at(next((name for name in ("stop", "start", "step") if name in source.data), subject.field)):
         ticks = tick_count(subject.step, subject.stop, subject.start)
     with source.at("algorithm"):
         method(subject.algorithm)
@@ -172,19 +174,23 @@ def make(campaign: Campaign, source: Source, kind: type[Subject]) -> Plan:
             replace(c, fmu=Path(stored[c.name])) for c in system.components))
     first = draws[next(iter(systems))]
     check_measures(source, campaign, subject, signals, [d.name for d in first])
+    check_rare(source, campaign, draws)
     sampler = Sampler(campaign.sampling, campaign.seed, campaign.runs, len(first),
                       all_mixings(source, campaign, first))
     runs_per_task = campaign.runs_per_task or task_size(campaign.runs, ticks * len(systems), python)
+    if campaign.rare:
+        runs_per_task = whole_tasks(campaign.rare, runs_per_task)
     fingerprint = {
         **campaign.model_dump(mode="json", exclude={"name", "worst_by", *(n for n in IF_GIVEN
                                                                           if n not in campaign.model_fields_set)}),
         **subject.said, "runs_per_task": runs_per_task,
-        "fmus": {variant: {c.name: str(c.fmu) for c in s.components} for variant, s in systems.items()}, "code": CODE}
+        "fmus": {variant: {c.name: str(c.fmu) for c in s.components} for variant, s in systems.items()}, "code": CODE,
+        **({"openturns": version()} if campaign.rare else {})}
     job = Job(key_of(fingerprint), systems, record, subject.step, ticks, subject.algorithm, campaign.success,
               campaign.timeout_s, draws, sampler, campaign.signals.share, campaign.signals.most_failures,
               campaign.signals.decimate, CODE, subject.start, subject.tolerance, campaign.metrics,
               {name: expression for name, (_, expression) in subject.over_time.items()}, subject.measure,
-              subject.course)
+              subject.course, towards(campaign))
     return Plan(source, campaign, subject, fixed, job, fmus, fingerprint, runs_per_task)
 
 

@@ -142,10 +142,20 @@ class Sampler:
             found = np.array([stream(self.seed, k, DRAWS).random(self.dimensions) for k in range(first, last)])
         else:
             found = self.sobol(first, last) if self.sampling == "sobol" else self.hypercube[first:last]
-        found = np.clip(found, EDGE, 1 - EDGE)
-        for u in found:
+        return self.correlated(found)
+
+    def at(self, normal: np.ndarray) -> np.ndarray:
+        """The points of the unit cube at points of the standard normal space, correlated; shape (runs, dimensions)."""
+        from scipy.special import ndtr
+
+        return self.correlated(ndtr(normal))
+
+    def correlated(self, points: np.ndarray) -> np.ndarray:
+        """Independent points, off the edges and correlated."""
+        points = np.clip(points, EDGE, 1 - EDGE)
+        for u in points:
             self.correlate(u)
-        return found
+        return points
 
     def uniforms(self, k: int) -> np.ndarray:
         """Run k's point, shape (dimensions,)."""

@@ -184,6 +184,19 @@ class StopWhen(Strict):
         return "success" if self.probability == "success" else f"success.{self.probability}"
 
 
+class Rare(Strict):
+    """Flies towards a failure that is too rare for plain sampling, level by level; see `rare`."""
+    failure: str | None = Field(default=None, description="a name of success; else all of them together")
+    method: Literal["subset-simulation", "cross-entropy"] = "subset-simulation"
+    runs_per_level: Whole = Field(default=1000, ge=100, le=1_000_000, multiple_of=10)
+    most_levels: Whole = Field(default=10, ge=1, le=100)
+
+    @property
+    def most_runs(self) -> int:
+        """Of all levels."""
+        return self.runs_per_level * self.most_levels
+
+
 class Named(Strict):
     """What a campaign is called."""
     name: Annotated[str, AfterValidator(names.checked)]
@@ -204,6 +217,18 @@ class Campaign(Named):
     success: dict[str, Readable] = Field(min_length=1, description="besides reaching the end")
     worst_by: str | None = Field(default=None, description="a metric; else the first that success names")
     signals: Signals = Signals()
+    rare: Rare | None = None
     stop_when: StopWhen | None = None
     timeout_s: Positive = 60.0
     runs_per_task: Whole | None = Field(default=None, ge=1)
+
+    @model_validator(mode="before")
+    @classmethod
+    def runs_of_levels(cls, given: Any) -> Any:
+        """Runs that the levels make at most, where the file says none."""
+        if not isinstance(given, dict) or not isinstance(given.get("rare"), dict) or "runs" in given:
+            return given
+        try:
+            return {**given, "runs": Rare.model_validate(given["rare"]).most_runs}
+        except ValueError:  # what is wrong with it is said at its own place
+            return {**given, "runs": 1}

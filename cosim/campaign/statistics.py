@@ -11,6 +11,7 @@ import pyarrow.compute
 from .sequential import Sequence
 
 MOST_PHASES = 6
+FEWEST, MOST_GROUPS = 30, 20  # runs that are grouped, and groups of them
 JUDGED = ("finished", "departed")  # statuses that say something of the law; the others are failures of the machinery
 
 
@@ -53,6 +54,31 @@ def rank_correlation(name: str, x: np.ndarray, y: np.ndarray) -> float:
         return float(spearmanr(x, y).statistic)
     ranks, waves = rankdata(y), np.column_stack([np.ones_like(x), np.cos(x), np.sin(x)])
     return float(min(1.0, np.std(waves @ np.linalg.lstsq(waves, ranks)[0]) / np.std(ranks)))
+
+
+def explained(x: np.ndarray, y: np.ndarray) -> float:
+    """The share of y's variance, 0 to 1, that x explains by itself: Sobol's index of first order, from the runs as they
+    are.
+
+    The runs are put into groups of like x, and the variance between the groups' means is compared with all of it, less
+    what chance alone would show (epsilon squared). Any dependence counts, also one that goes up and down, and x may be
+    words. 0 where x or y does not vary, of fewer than FEWEST runs, and of more words than groups.
+    """
+    if y.dtype.kind == "f":
+        ok = np.isfinite(y)
+        x, y = x[ok], y[ok]
+    most = min(MOST_GROUPS, round(len(y) ** (1 / 3)))
+    words, group = np.unique(x, return_inverse=True)
+    if len(words) > most and x.dtype.kind == "f":
+        group = np.searchsorted(np.quantile(x, np.arange(1, most) / most), x, side="right")
+        group = np.unique(group, return_inverse=True)[1]
+    counts = np.bincount(group)
+    total = float(((y - y.mean()) ** 2).sum()) if len(y) else 0.0
+    if not total > 0 or not 1 < len(counts) <= most or len(y) < FEWEST:
+        return 0.0
+    between = float(counts @ (np.bincount(group, y) / counts - y.mean()) ** 2)
+    by_chance = (len(counts) - 1) * (total - between) / (len(y) - len(counts))
+    return min(1.0, max(0.0, (between - by_chance) / total))
 
 
 def with_differences(table: pa.Table, draws: list[str]) -> tuple[pa.Table, list[str]]:

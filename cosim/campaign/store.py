@@ -46,7 +46,8 @@ def schemas(plan: Plan) -> dict[str, pa.Schema]:
         "runs": pa.schema([
             *key, ("seed", pa.int64()), *draws, ("status", pa.string()), ("message", pa.string()),
             ("success", pa.bool_()), *((f"success.{name}", pa.bool_()) for name in plan.campaign.success),
-            ("ticks", pa.int64()), ("departed_at_s", pa.float64()), *((name, pa.float64()) for name in plan.metrics)]),
+            ("ticks", pa.int64()), ("departed_at_s", pa.float64()), *((name, pa.float64()) for name in plan.metrics),
+            *([("margin", pa.float64())] if plan.campaign.rare else [])]),
         "signals": pa.schema([*key, ("time", pa.float64()), *((name, pa.float64()) for name in recorded)]),
         "errors": pa.schema([*key, ("time", pa.list_(pa.float64())),
                              *((name, pa.list_(pa.float32())) for name in plan.subject.over_time)]),
@@ -156,7 +157,8 @@ class Store:
         return {"run": request.run, self.column: request.law, "seed": self.plan.campaign.seed, **request.drawn,
                 "status": outcome.status, "message": outcome.message, "success": outcome.succeeded,
                 **{f"success.{name}": outcome.success.get(name, False) for name in self.plan.campaign.success},
-                "ticks": outcome.ticks, "departed_at_s": outcome.departed_at_s, **outcome.metrics}
+                "ticks": outcome.ticks, "departed_at_s": outcome.departed_at_s, **outcome.metrics,
+                **({"margin": outcome.margin} if self.plan.campaign.rare else {})}
 
     def errors_line(self, outcome: Outcome) -> dict[str, Any] | None:
         """An outcome as a row of errors.parquet; None if its errors were not kept."""

@@ -26,8 +26,10 @@ from ..master.system import System, Value
 from ..master.whole_file import whole
 from ..temporary import FULL
 from .code import CODE, differences
+from .criteria import courses as signals_of
 from .criteria import judged
 from .dispersions import with_values
+from .margin import of_flight
 from .plan import Job
 from .sampling import draw, keeps_signals
 
@@ -57,6 +59,7 @@ class Outcome:
     metrics: dict[str, float] = field(default_factory=dict)
     success: dict[str, bool] = field(default_factory=dict)
     reasons: dict[str, str] = field(default_factory=dict)  # of criteria without a value: why
+    margin: float | None = None  # of what a campaign of rare failures flies towards
     errors: dict[str, np.ndarray] | None = None
     signals: dict[str, np.ndarray] | None = None
 
@@ -66,9 +69,9 @@ class Outcome:
         return self.status == "finished" and all(self.success.values())
 
 
-def requests(job: Job, first: int, last: int) -> Iterator[Request]:
-    """Runs first ... last - 1, of each law."""
-    for k, u in zip(range(first, last), job.sampler.points(first, last)):
+def requests(job: Job, first: int, last: int, points: np.ndarray | None = None) -> Iterator[Request]:
+    """Runs first ... last - 1, of each law; at `points` of the unit cube, else at the sampler's."""
+    for k, u in zip(range(first, last), job.sampler.points(first, last) if points is None else points):
         keep = keeps_signals(job.sampler.seed, k, job.keep_share)
         for law in job.systems:
             drawn = draw(job.draws[law], u)
@@ -219,7 +222,11 @@ class LoadedSystems:
         """What a flight shows of the request."""
         metrics, success, reasons = judged(self.job.measure, self.job.metrics, self.job.success, flight)
         ended = None if flight.finished else flight.reached
-        result = Outcome(request, status, flight.message, flight.ticks, ended, metrics, success, reasons)
+        margin = None
+        if self.job.towards and status != "timed-out":  # which says nothing of the system
+            margin = of_flight({name: self.job.success[name] for name in self.job.towards}, success,
+                               signals_of(flight), metrics, None if flight.finished else flight.ticks / self.job.ticks)
+        result = Outcome(request, status, flight.message, flight.ticks, ended, metrics, success, reasons, margin)
         if request.envelope and self.job.over_time:
             courses = {name: self.job.course(flight, text) for name, text in self.job.over_time.items()}
             result.errors = errors_over_time(courses, self.job.step, self.job.ticks, self.job.start)
@@ -272,9 +279,11 @@ def refusal(address: str, unlike: str) -> str:
     return f"The worker at {address} has other code and may not fly: {unlike}."
 
 
-def fly_batch(key: str, first: int, last: int, positions: list[int] | None = None) -> list[Outcome]:
-    """Fly runs first ... last - 1 of the job `key`, one after the other, or those of them at `positions`."""
-    asked = list(requests(JOBS[key], first, last))
+def fly_batch(key: str, first: int, last: int, positions: list[int] | None = None,
+              points: np.ndarray | None = None) -> list[Outcome]:
+    """Fly runs first ... last - 1 of the job `key`, one after the other, or those of them at `positions`; `points` as
+    in `requests`."""
+    asked = list(requests(JOBS[key], first, last, points))
     with TURN:
         flown = (guarded(loaded(key), asked[i]) for i in (range(len(asked)) if positions is None else positions))
         return list(first_failures(flown, JOBS[key].most_failures))

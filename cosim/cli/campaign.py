@@ -45,6 +45,8 @@ def campaign(
 def table(summary: dict[str, Any]) -> dict[str, Any]:
     """The summary's few lines for a terminal."""
     rows: dict[str, Any] = {"campaign": summary["campaign"]}
+    if "rare" in summary:
+        return {**rows, **rare(summary["rare"]), "wall_s": summary["wall_s"], "report": summary["report"]}
     for law, found in summary["controllers" if "controllers" in summary else "variants"].items():
         low, high = found["interval_95"]
         share = "unknown" if found["probability"] is None else f"{100 * found['probability']:.2f} %"
@@ -56,3 +58,17 @@ def table(summary: dict[str, Any]) -> dict[str, Any]:
     if stopped := summary.get("stopped"):
         rows["ended"] = f"after {stopped['after_runs']:,} runs: {stopped['why']}"
     return {**rows, "interval": summary["interval"], "wall_s": summary["wall_s"], "report": summary["report"]}
+
+
+def rare(found: dict[str, Any]) -> dict[str, Any]:
+    """The lines of a campaign of rare failures."""
+    runs = f"{found['runs']:,} in {len(found['levels'])} levels"
+    if found["not_judged"]:
+        runs += f", of which {found['not_judged']:,} were not judged"
+    if found["probability"] is None:
+        return {f"failure of {found['failure']}": f"no estimate: {found['reason']}", "runs": runs}
+    low, high = found["interval_95"]
+    plain = f"; as many as {found['plain_runs']:,.0f} plain runs" if found["plain_runs"] else ""
+    return {f"failure of {found['failure']}": f"{found['probability']:.3g} ({low:.3g} to {high:.3g}), coefficient of "
+                                              f"variation {100 * found['coefficient_of_variation']:.0f} %",
+            "runs": runs + plain, "interval": found["interval"]}
