@@ -96,8 +96,8 @@ oldest: setup
 	.venv-oldest/bin/ahv build
 	.venv-oldest/bin/python -m pytest -q -m 'not slow and not peers' tests/unit tests/conformance tests/system/test_cases.py
 
-# The documentation as a site, in site/; open site/index.html.
-docs: setup
+# The documentation as a site, in site/, with the playground; open site/index.html.
+docs: build
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet --strict
 
 clean:
