@@ -125,6 +125,9 @@ def read_flight(file: str, known: Known, chosen: Iterable[str], start: float) ->
             remarks.append(left_out(file, column, full, known))
         elif (not wanted or full in wanted) and np.isfinite(values).any():
             signals[full] = values
+    if table.times[0] - start > table.times[-1] - table.times[0]:
+        remarks.append(f"{file} begins at {table.times[0]:g} s, long after the flight, which begins at {start:g} s; "
+                       f"--start sets another.")
     if not signals:
         first = next(column for column in table.values)
         which = f"one of {', '.join(known.shown(sorted(wanted)))}" if wanted else "a signal of the system with a value"
