@@ -121,7 +121,7 @@ class Watched:
             raise NotReached(f"a tenth of the runs of two levels has one and the same margin, {last[0]:.6g}, so that "
                              "it does not lead to a failure")
         if number >= self.rare.most_levels:
-            raise NotReached(f"{self.rare.most_levels} levels did not reach a failure")
+            raise NotReached(f"no failure was reached within most_levels = {self.rare.most_levels}")
 
     def stopped(self) -> bool:
         """Whether the algorithm must end."""

@@ -48,7 +48,7 @@ def test_what_fails_often_needs_one_level_of_plain_runs():
 @pytest.mark.parametrize("margins,reason", [
     (lambda _, z: np.full(len(z), 5.0), "one and the same margin, 5"),
     (lambda _, z: np.where(z[:, 0] > 6, -1.0, 5.0), "one and the same margin, 5"),   # a cliff that nothing announces
-    (lambda _, z: 1 + np.exp(-z[:, 0]), "4 levels did not reach a failure"),
+    (lambda _, z: 1 + np.exp(-z[:, 0]), "no failure was reached within most_levels = 4"),
     (lambda _, z: np.full(len(z), np.nan), "one and the same margin"),               # no run was judged
 ])
 def test_where_nothing_leads_to_a_failure_there_is_no_estimate_but_the_reason(method, margins, reason):
