@@ -167,6 +167,7 @@ def read(source: Source, *subjects: type[Subject]) -> tuple[Campaign, type[Subje
 
 def make(campaign: Campaign, source: Source, kind: type[Subject]) -> Plan:
     """The plan of a campaign. Raises UsageError, with line and field, for what does not fit the FMUs."""
+    check_stop_when(source, campaign)
     subject = kind(campaign, source)
     with source.at(next((name for name in ("stop", "start", "step") if name in source.data), subject.field)):
         ticks = tick_count(subject.step, subject.stop, subject.start)

@@ -122,7 +122,8 @@ def introduction(plan: Plan) -> str:
              + (", as a period in s" if d.period else "")] for d in plan.draws[plan.laws[0]]]
     sampling = escape(f"{campaign.samples}, and {campaign.sampling}" if campaign.samples else campaign.sampling)
     correlated = listed(escape(fields_text(group.model_dump(exclude_none=True))) for group in campaign.correlations)
-    most = "At most " if campaign.stop_when else ""
+    most = "At most " if campaign.stop_when or campaign.rare else ""
+    sampling = campaign.rare.method if campaign.rare else campaign.sampling
     return (f"<p>{most}{campaign.runs:,} runs of {escape(subject.name)} ({subject.stop - subject.start:g} s in steps "
             f"of {subject.step:g} s) for each {subject.noun}, seed {campaign.seed}, sampling {sampling}"
             f"{escape(subject.remark)}.</p>"
