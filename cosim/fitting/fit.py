@@ -13,7 +13,7 @@ from ..master.connections import checked_connections
 from ..master.fly import tick_count
 from ..master.fmu import FmuFile
 from ..master.loaded import open_files
-from ..master.system import System
+from ..master.system import System, Value
 from ..master.wiring import Signal, signal
 from ..systems.load import Loaded
 from ..systems.words import assigned, experiment
@@ -103,9 +103,7 @@ def asked(subject: Subject, data: Sequence[str], parameters: Sequence[str], sign
     words = [[*(word for place, word in owned if place is None), *mine] for mine in own]
     systems = [subject.build(mine) for mine in words]
     with open_files(systems[0]) as files:
-        systems = [replace(system, components=tuple(c.with_values(
-            {name: files[c.name].checked(name, value, c.name) for name, value in c.values.items()})
-            for c in system.components)) for system in systems]
+        systems = typed(systems, files)
         known = Known(files, checked_connections(systems[0], files), found.alone)
         levels = noise_levels(signals, known)
         begin = found.system.start if start is None else start
@@ -129,6 +127,20 @@ def asked(subject: Subject, data: Sequence[str], parameters: Sequence[str], sign
                  Plans(plans, algorithm or found.algorithm or ALGORITHM, size, begin,
                        found.tolerance if tolerance is None else tolerance, time_limit),
                  [*remarks, *found.remarks, *(text for one in measured for text in one.remarks)])
+
+
+def typed(systems: list[System], files: dict[str, FmuFile]) -> list[System]:
+    """The systems with values in their variables' types; of values that are alike one object, which a master that is
+    reset then knows. Raises UsageError for a value that does not fit."""
+    known: dict[tuple[str, str, Value], Value] = {}
+    for system in systems:
+        for c in system.components:
+            for name, value in c.values.items():
+                if (c.name, name, value) not in known:
+                    known[c.name, name, value] = files[c.name].checked(name, value, c.name)
+    return [replace(system, components=tuple(
+        c.with_values({name: known[c.name, name, value] for name, value in c.values.items()})
+        for c in system.components)) for system in systems]
 
 
 def about_signal(name: str, files: dict[str, FmuFile]) -> Signal:

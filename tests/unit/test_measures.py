@@ -1,15 +1,17 @@
 """Expressions on signals: every figure by hand on uneven rows, what is refused, and what has no value."""
 import math
 import pickle
+import re
 
 import numpy as np
 import pytest
 from flights import made
 from hypothesis import given
 from hypothesis import strategies as st
+from places import ROOT
 
 from cosim.master.course import Course
-from cosim.master.evaluate import CONDITION, NUMBER, SIGNAL, TRUTH
+from cosim.master.evaluate import CONDITION, FIGURES, FUNCTIONS, NUMBER, SIGNAL, TRUTH
 from cosim.master.measures import check, parse, values
 
 TIME = [1.0, 2.0, 4.0, 5.0, 9.0]
@@ -222,3 +224,12 @@ def test_time_weighs_averages(rows):
     span = flight.time[-1] - flight.time[0]
     assert worth("integral(a.x)", flight) == pytest.approx(span * worth("mean(a.x)", flight) if span else 0, abs=1e-9)
     assert worth("min(a.x) - 1e-9 <= mean(a.x) <= max(a.x) + 1e-9 and rms(a.x) <= max_abs(a.x) + 1e-9", flight)
+
+
+def test_the_page_names_every_function_with_what_it_takes():
+    page = (ROOT / "docs" / "campaigns.md").read_text()
+    calls = [parse(text.replace("…", "s")) for row in re.findall(r"^\| (`\w+\(.*?) \|", page, re.MULTILINE)
+             for text in re.findall(r"`(.*?)`", row)]
+    assert {call.text.partition("(")[0] for call in calls} == {*FUNCTIONS, *FIGURES}
+    for call in calls:
+        check(call, {"s", "c"}, {"x", "y", "target", "band", "level"}, NUMBER if "s" in call.names[0] else None)
