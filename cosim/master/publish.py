@@ -39,9 +39,9 @@ class Kind:
 
 
 KINDS = {
-    "run": Kind("a run", "run.json", "controller", ("signals.parquet", "signals.csv", "figures")),
-    "simulate": Kind("a simulation", "run.json", "system", ("signals.parquet", "signals.csv", "figures")),
-    "compare": Kind("a comparison", "compare.json", "controllers", ("compare_*.png",)),
+    "run": Kind("a run", "run.json", "controller", ("signals.parquet", "signals.csv", "figures", "report.html")),
+    "simulate": Kind("a simulation", "run.json", "system", ("signals.parquet", "signals.csv", "figures", "report.html")),
+    "compare": Kind("a comparison", "compare.json", "controllers", ("compare_*.png", "report.html", "runs")),
     "campaign": Kind("a campaign", "campaign.json", "dispersions", (
         "campaign.yaml", "parts", "receipt.json", "runs.parquet", "signals.parquet", "errors.parquet", "report.html",
         "report.json", "figures"), ("receipt.json", "parts/.campaign")),
@@ -185,7 +185,7 @@ def move(folder: Path, kind: str) -> None:
     forget(folder)
     for path in sorted(below(staged) - {staged / head.name}):
         target = folder / path.relative_to(staged)
-        target.parent.mkdir(exist_ok=True)
+        target.parent.mkdir(parents=True, exist_ok=True)
         path.replace(target)
     synced(folder)
     (staged / head.name).replace(head)
@@ -203,7 +203,7 @@ def forget(folder: Path) -> None:
 def fits(name: str, kind: str) -> bool:
     """Whether a head may name this file as one of its kind's: never a path that leads elsewhere."""
     path = Path(name)
-    return (len(path.parts) in (1, 2) and ".." not in path.parts and not path.is_absolute()
+    return (len(path.parts) in (1, 2, 3) and ".." not in path.parts and not path.is_absolute()
             and any(Path(path.parts[0]).match(pattern) for pattern in KINDS[kind].files))
 
 

@@ -32,14 +32,15 @@ def run(scenario: str | Scenario, controller: str = "neural", preset: Mapping[st
         algorithm: str = "gauss-seidel", values: Values | None = None, uncertainty: float | None = None,
         decimate: int = 1, stream: bool = False, isolate: bool = False, time_limit: float | None = None,
         plain: bool = False, real_time: float | None = None, out: Path | None = None, progress: bool = False,
-        record: Sequence[str] = ()) -> Run:
-    """Fly `scenario` (a built-in name, a YAML file or a Scenario) and write signals, run.json and figures.
+        record: Sequence[str] = (), command: str = "") -> Run:
+    """Fly `scenario` (a built-in name, a YAML file or a Scenario) and write signals, run.json, figures
+    and a page.
 
     `controller` and `plant` are words of the registry or anybody's FMUs (NAME=FILE.fmu); `preset` is the controller's,
     or component -> name. `values` are set last: component -> variable -> value. `step`, `stop` are in s. The results
     go to `out`, else to results/run/SCENARIO. `record` picks the signals, as patterns of component.variable (none: all
-    outputs); metrics and figures whose signals are left out are left out, too. Other arguments are those of
-    `master.fly.fly`.
+    outputs); metrics and figures whose signals are left out are left out, too. `command` is
+    what the page says that it was made by. Other arguments are those of `master.fly.fly`.
 
     Raises UsageError for what cannot be flown, RunError if an FMU does not start. A flight that ends early is a
     result: `flight.finished` is False and `flight.message` says why. After a signal there are no figures and
@@ -60,25 +61,25 @@ def run(scenario: str | Scenario, controller: str = "neural", preset: Mapping[st
             flight = explained(launch(loop.system, step, end, algorithm, tell if progress else None,
                                       isolate or loop.foreign, time_limit, plain=plain, real_time=real_time, **options))
         notes = [*loop.notes, *part_of_the_rows(flight, stream)]
-        done = kept(folder, flight, said, notes, decimate, rows)
+        done = kept(folder, flight, said, notes, decimate, rows, command)
     flight.interrupted = interrupted[0] if interrupted else flight.interrupted
     return done
 
 
-def recover(left: Path, out: Path | None = None) -> Run:
+def recover(left: Path, out: Path | None = None, command: str = "") -> Run:
     """Make results, in `out` or there, of the rows that a killed run with --stream left in the folder `left`.
 
     Its figures of merit are computed from a part of the rows, as those of every streamed run. Raises what
     `master.recover.recover` raises.
     """
     return recover_rows(left, out, "run", lambda folder, flight, said, rows: kept(
-        folder, explained(flight), said, part_of_the_rows(flight, True), rows=rows))
+        folder, explained(flight), said, part_of_the_rows(flight, True), rows=rows, command=command))
 
 
 def kept(folder: Path, flight: Flight, said: dict[str, Any], notes: list[str], decimate: int = 1,
-         rows: Path | None = None) -> Run:
+         rows: Path | None = None, command: str = "") -> Run:
     """The flight with its figures of merit, in a claimed folder; `said` is what run.json says of the request, `rows`
-    the file of a stream's rows."""
+    the file of a stream's rows, `command` what the page says."""
     from ..master.results import write
 
     said = dict(said)
@@ -87,7 +88,8 @@ def kept(folder: Path, flight: Flight, said: dict[str, Any], notes: list[str], d
     preset = f" ({said['preset']})" if said["preset"] else ""
     title = f"{said['scenario']}, {said['controller']}{preset}"
     published = write(folder, "run", flight, {**summary, "presets": presets}, decimate,
-                      [lambda place: draw(place, flight, title, first_figure)], rows)
+                      [lambda place: draw(place, flight, title, first_figure),
+                       lambda place: write_page(place, flight, title, summary, command, notes)], rows)
     return Run(flight, {**summary, "out": str(published.folder)}, published.folder, notes, published.trouble)
 
 
@@ -124,3 +126,13 @@ def draw(folder: Path, flight: Flight, title: str, first_figure: int | None) -> 
     from .figures import write  # matplotlib is slow to import
 
     write(folder, flight, title, first_figure)
+
+
+def write_page(folder: Path, flight: Flight, title: str, summary: dict[str, Any], command: str, notes: list[str]
+               ) -> None:
+    """The flight's page into `folder`. Raises OSError."""
+    from ..pages.write import REPORT, page
+    from .look import PANELS, looked_at
+
+    (folder / REPORT).write_text(page(title, [looked_at(summary["scenario"], flight, summary)], PANELS, command, notes),
+                                 encoding="utf-8")
