@@ -61,7 +61,7 @@ def publish(folder: Path, kind: str, record: dict[str, Any], must: Fill, extras:
             less: Fill | None = None, rows: Path | None = None, interrupted: int = 0) -> Published:
     """Replace the results in `folder` by what `must` and `extras` write, and a head with `record`.
 
-    Where there is no room for all, extras are left out. Where there is none for `must`, the results go to a temporary
+    Where there is no room for all, the last extras are left out. Where there is none for `must`, the results go to a temporary
     folder, and the former ones stay; without room there, `less` writes as much as fits. Signals that ask for an end
     wait until all is in place; extras that have not begun are left out.
 
@@ -128,23 +128,39 @@ def stage(place: Path, kind: str, record: dict[str, Any], must: Fill, extras: Se
     try:
         staged.mkdir(parents=True)
         must(staged)
-        kept = below(staged)
+        needed = below(staged)
         try:
-            for extra in extras:
-                if signals:
-                    why = "interrupted"
-                    break
-                extra(staged)
+            why = add(staged, extras, signals)
             write_head(staged, head, record)
         except OSError as error:
             why = reason(error)
-            for path in below(staged) - kept:
-                path.unlink()
+            remove(below(staged) - needed)
             write_head(staged, head, record)
     except BaseException:
         shutil.rmtree(staged, ignore_errors=True)
         raise
     return why
+
+
+def add(staged: Path, extras: Sequence[Fill], signals: list[int]) -> str:
+    """Let each extra write its files; why not all did, or an empty text. The first that finds no room leaves nothing,
+    and none follows; those before it stay."""
+    for extra in extras:
+        if signals:
+            return "interrupted"
+        before = below(staged)
+        try:
+            extra(staged)
+        except OSError as error:
+            remove(below(staged) - before)
+            return reason(error)
+    return ""
+
+
+def remove(paths: set[Path]) -> None:
+    """Remove files."""
+    for path in paths:
+        path.unlink()
 
 
 def below(folder: Path) -> set[Path]:

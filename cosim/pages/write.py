@@ -36,7 +36,7 @@ def page(title: str, flown: Sequence[Flown], panels: Sequence[Panel] = (), comma
     data = data_of(flown, panels)
     marks = [(one.name if len(flown) > 1 else "", mark) for one in flown for mark in marks_of(one)]
     sections = [
-        *([("The command", f"<pre>{html_text(command)}</pre>")] if command else []),
+        *commands(command),
         ("Figures", figures_table(flown)),
         *([("What differs in the parameters", different(flown))] if len(flown) > 1 else []),
         *tables,
@@ -48,9 +48,16 @@ def page(title: str, flown: Sequence[Flown], panels: Sequence[Panel] = (), comma
                   body, {"bokeh": library(), "page": read("page.js")}, data)
 
 
-def plain(title: str, outcome: str, body: str) -> str:
-    """A page without curves, as a text of HTML; `outcome` and `body` are HTML."""
-    return filled(title, outcome, body, {}, None)
+def plain(title: str, parts: Sequence[tuple[str, str, bool]], command: str = "") -> str:
+    """A page without curves, as a text of HTML: of each part a title, its HTML, and whether it is good news."""
+    body = "".join(section((name, f'<div class="outcome{"" if good else " bad"}">{html}</div>'))
+                   for name, html, good in parts)
+    return filled(title, "", body + "".join(map(section, commands(command))), {}, None)
+
+
+def commands(command: str) -> list[tuple[str, str]]:
+    """The section with the command that made the page, if it is known."""
+    return [("The command", f"<pre>{html_text(command)}</pre>")] if command else []
 
 
 def filled(title: str, outcome: str, body: str, scripts: Mapping[str, str], data: object) -> str:

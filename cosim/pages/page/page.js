@@ -1,4 +1,5 @@
 "use strict";
+Bokeh.logger.set_level("error");  // set_log_level would write a line
 const DATA = JSON.parse(document.getElementById("data").textContent);
 const DEGREES = 180 / Math.PI, MAXIMUM_NAMES = 2000, LEFT = 78;
 const LINES = [[], [8, 4], [2, 3], [10, 3, 2, 3], [5, 2], [14, 4]];
