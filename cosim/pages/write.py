@@ -126,7 +126,7 @@ def run_of(one: Flown, names: Iterable[str], points: int) -> dict[str, Any]:
         if len(found[0]):
             curves[name] = packed(*found, points)
     start, end = (float(flight.time[0]), float(flight.time[-1])) if len(flight.time) else (0.0, 0.0)
-    marks = [{"kind": m.kind, "begin": m.begin, "end": m.end} for m in marks_of(one)]
+    marks = [{"kind": m.kind, "text": m.text, "begin": m.begin, "end": m.end} for m in marks_of(one)]
     return {"name": one.name, "start": start, "end": end, "curves": curves, "marks": marks}
 
 

@@ -54,11 +54,16 @@ def marks(flight: Flight) -> list[Mark]:
 def steps(flight: Flight, name: str, what: str, unit: str) -> list[Mark]:
     """The rows from which a command is another one."""
     values = np.asarray(flight[name])
+    component, _, variable = name.partition(".")
+    base = flight.parameters.get(component, {}).get(f"{variable}_base")
+    if isinstance(base, int | float):
+        values = np.concatenate(([base], values))  # the first step may be at the start
+    time = np.concatenate((flight.time[:len(values) - len(flight.time)], flight.time))
     rows = np.flatnonzero(np.abs(np.diff(values)) > STEP) + 1
     if len(rows) > len(values) // 20:  # it moves all the time
         return []
     return [Mark("step of a command", f"{what} command from {values[row - 1]:.7g} to {values[row]:.7g} {unit}",
-                 float(flight.time[row])) for row in rows]
+                 float(time[row])) for row in rows]
 
 
 def uncertain(flight: Flight) -> list[Mark]:

@@ -69,16 +69,27 @@ function digits(value) {
   return Number.isFinite(value) ? String(Number(value.toPrecision(7))) : "–";
 }
 
+function united(kind) {  // the marks of a kind, those of all flights in one: shades over each other would darken
+  const found = [];
+  const all = DATA.runs.flatMap((run) => run.marks.filter((mark) => mark.kind === kind));
+  for (const mark of all.sort((a, b) => a.begin - b.begin)) {
+    const last = found[found.length - 1];
+    if (!last || mark.begin > (last.end === null ? last.begin : last.end)) found.push({...mark});
+    else if (last.end !== null) last.end = Math.max(last.end, mark.end === null ? mark.begin : mark.end);
+  }
+  return found;
+}
+
 // Windows and moments as annotations of every panel.
 function marksOf(plot) {
   const {BoxAnnotation, Span} = models;
   DATA.kinds.forEach((kind, k) => {
     const colour = SHADES[dark() ? "dark" : "light"][k % 6];
-    for (const run of DATA.runs) for (const mark of run.marks.filter((m) => m.kind === kind.name)) {
+    for (const mark of united(kind.name)) {
       plot.add_layout(mark.end === null
         ? new Span({location: mark.begin, dimension: "height", line_color: colour, line_width: 2, line_dash: LINES[k % 6],
                     visible: !state.hidden.has(kind.name), level: "underlay", tags: [kind.name]})
-        : new BoxAnnotation({left: mark.begin, right: mark.end, fill_color: colour, fill_alpha: dark() ? 0.22 : 0.18,
+        : new BoxAnnotation({left: mark.begin, right: mark.end, fill_color: colour, fill_alpha: dark() ? 0.13 : 0.18,
                              line_color: colour, line_alpha: 0.5, visible: !state.hidden.has(kind.name),
                              level: "underlay", tags: [kind.name], hatch_pattern: HATCHES[k % 6], hatch_color: colour,
                              hatch_alpha: 0.35, hatch_scale: 14}));
@@ -150,13 +161,18 @@ async function draw() {
     if (!names.length) continue;
     const curves = [];
     names.forEach((name, i) => DATA.runs.forEach((run, r) => {
-      const found = course(r, name);
+      const found = course(r, name), packed = run.curves[name];
       if (!found) return;
+      const same = curves.find((c) => c.name === name && c.packed.y === packed.y && c.packed.t === packed.t
+                                      && c.packed.base === packed.base);
+      if (same) { same.runs.push(run.name); return; }  // not the same curve over itself
       const kind = several ? r : i;
-      curves.push({name, label: several ? `${run.name}: ${name}` : name, course: found, colour: colours[kind % colours.length],
+      curves.push({name, packed, runs: [run.name], course: found, colour: colours[kind % colours.length],
                    dash: LINES[(several && names.length > 1 ? i : kind) % LINES.length], width: several || i === 0 ? 1.8 : 1.6,
                    output: made("output")});
     }));
+    for (const curve of curves)
+      curve.label = !several || curve.runs.length === DATA.runs.length ? curve.name : `${curve.runs.join(", ")}: ${curve.name}`;
     const units = [...new Set(names.map((name) => shownUnit(DATA.signals[name].unit)[0]))].filter((u) => u && u !== "1");
     const shown = panelPlot({title: panel.title, unitShown: units.join(", ")}, curves, style);
     const box = made("div", {class: "plot", "aria-hidden": "true"});
@@ -202,6 +218,10 @@ function look(t) {  // what the curves are at a time, beside their names
     cursor.setv({visible: there, location: there ? t : span[0]});
     for (const curve of curves) curve.output.textContent = there ? digits(valueAt(curve.course, t)) : "";
   }
+  const texts = DATA.runs.flatMap((run) => run.marks.filter((m) => !state.hidden.has(m.kind) && there && (
+    m.end === null ? Math.abs(t - m.begin) < (state.range.end - state.range.start) / 200 : m.begin <= t && t <= m.end))
+    .map((m) => m.text));
+  one("now").textContent = there ? `At ${digits(t)} s: ${[...new Set(texts)].join("; ") || "nothing is marked"}.` : "";
 }
 
 function zoom() {
@@ -235,7 +255,7 @@ function choose(names, wanted) {
 
 function listKinds() {
   DATA.kinds.forEach((kind, k) => {
-    const box = made("input", {type: "checkbox", checked: true, onchange: () => {
+    const box = made("input", {type: "checkbox", checked: !state.hidden.has(kind.name), onchange: () => {
       if (box.checked) state.hidden.delete(kind.name); else state.hidden.add(kind.name);
       for (const {plot} of state.panels) for (const mark of [...plot.center, ...plot.renderers])
         if (mark.tags && mark.tags.includes(kind.name)) mark.visible = box.checked;
@@ -250,6 +270,8 @@ function begin() {
   one("view").hidden = false;
   state.range = new models.Range1d({start: span[0], end: span[1] > span[0] ? span[1] : span[0] + 1});
   state.range.on_change([state.range.properties.start, state.range.properties.end], fit);
+  for (const {name} of DATA.kinds)  // what happened to some flights only would shade all of them
+    if (!DATA.runs.every((run) => run.marks.some((mark) => mark.kind === name))) state.hidden.add(name);
   listKinds();
   listNames();
   one("happened").hidden = !DATA.kinds.length;
