@@ -1,9 +1,11 @@
 """One flight of a scenario, from words to a folder of results: what `ahv run` does."""
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
+from ..master.aside import Aside, aside
 from ..master.flight import Flight
 from ..master.folder import flown_into
 from ..master.isolated import launch
@@ -49,7 +51,9 @@ def run(scenario: str | Scenario, controller: str = "neural", preset: Mapping[st
     plan = scenarios.load(scenario) if isinstance(scenario, str) else scenario
     presets = {"controller": preset} if isinstance(preset, str) else dict(preset or {})
     loop = closed_loop(plan, controller, plant, flavour, presets, values, uncertainty)
-    with flown_into(out, "run", plan.name, stream) as (folder, interrupted):
+    isolated = isolate or loop.foreign or time_limit is not None
+    with (flown_into(out, "run", plan.name, stream) as (folder, interrupted),
+          aside(isolated, prepare, *WORKS) as drawing):
         end = plan.stop if stop is None else stop
         said = said_of(plan, loop, algorithm, step, end)
         rows = asked(folder, said) if stream else None
@@ -59,9 +63,10 @@ def run(scenario: str | Scenario, controller: str = "neural", preset: Mapping[st
         bar, tell = progress_bar(plan.name, end)
         with bar:
             flight = explained(launch(loop.system, step, end, algorithm, tell if progress else None,
-                                      isolate or loop.foreign, time_limit, plain=plain, real_time=real_time, **options))
+                                      isolated, time_limit, plain=plain, real_time=real_time, meanwhile=import_writers,
+                                      **options))
         notes = [*loop.notes, *part_of_the_rows(flight, stream)]
-        done = kept(folder, flight, said, notes, decimate, rows, command)
+        done = kept(folder, flight, said, notes, decimate, rows, command, drawing)
     flight.interrupted = interrupted[0] if interrupted else flight.interrupted
     return done
 
@@ -77,7 +82,7 @@ def recover(left: Path, out: Path | None = None, command: str = "") -> Run:
 
 
 def kept(folder: Path, flight: Flight, said: dict[str, Any], notes: list[str], decimate: int = 1,
-         rows: Path | None = None, command: str = "") -> Run:
+         rows: Path | None = None, command: str = "", drawing: Aside | None = None) -> Run:
     """The flight with its figures of merit, in a claimed folder; `said` is what run.json says of the request, `rows`
     the file of a stream's rows, `command` what the page says."""
     from ..master.results import write
@@ -87,9 +92,9 @@ def kept(folder: Path, flight: Flight, said: dict[str, Any], notes: list[str], d
     summary = {**said, **shown_by(flight), **({"lateness": flight.lateness} if flight.lateness else {})}
     preset = f" ({said['preset']})" if said["preset"] else ""
     title = f"{said['scenario']}, {said['controller']}{preset}"
+    drawn = (drawing or Aside(WORKS)).start(flight, title, first_figure, summary, command, notes)
     published = write(folder, "run", flight, {**summary, "presets": presets}, decimate,
-                      [lambda place: draw(place, flight, title, first_figure),
-                       lambda place: write_page(place, flight, title, summary, command, notes)], rows)
+                      [drawn], rows)
     return Run(flight, {**summary, "out": str(published.folder)}, published.folder, notes, published.trouble)
 
 
@@ -121,18 +126,35 @@ def presets_of(loop: ClosedLoop) -> dict[str, dict[str, str]]:
     return {component: {"name": name, "from": loop.preset_from[component]} for component, name in loop.presets.items()}
 
 
-def draw(folder: Path, flight: Flight, title: str, first_figure: int | None) -> None:
-    """The scenario's figures into `folder`."""
+def prepare() -> None:
+    """Import what `illustrate` needs: matplotlib takes long."""
+    import matplotlib.backends.backend_agg
+
+    from ..pages import write
+    from . import figures, look  # noqa: F401
+
+
+def import_writers() -> None:
+    """Import what writes results, while the flight flies in another process."""
+    from ..master import results  # noqa: F401
+
+
+def draw(folder: Path, flight: Flight, title: str, first_figure: int | None, *_: Any, share: slice = slice(None)
+         ) -> None:
+    """The scenario's figures, or a share of them, into `folder`. Raises OSError."""
     from .figures import write  # matplotlib is slow to import
 
-    write(folder, flight, title, first_figure)
+    write(folder, flight, title, first_figure, share)
 
 
-def write_page(folder: Path, flight: Flight, title: str, summary: dict[str, Any], command: str, notes: list[str]
-               ) -> None:
+def write_page(folder: Path, flight: Flight, title: str, _: int | None, summary: dict[str, Any], command: str,
+               notes: list[str]) -> None:
     """The flight's page into `folder`. Raises OSError."""
     from ..pages.write import REPORT, page
     from .look import PANELS, looked_at
 
     (folder / REPORT).write_text(page(title, [looked_at(summary["scenario"], flight, summary)], PANELS, command, notes),
                                  encoding="utf-8")
+
+
+WORKS = (partial(draw, share=slice(0, None, 2)), partial(draw, share=slice(1, None, 2)), write_page)
