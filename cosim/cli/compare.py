@@ -18,8 +18,8 @@ def compare(
     plant: Plant = "ideal",
     step: Step = 0.01,
     stop: Stop = None,
-    runs: Annotated[list[str], typer.Option("--run", metavar="NAME:OPTIONS", help="A variant, as the options of ahv run "
-                    "say it: \"mine:--preset robust --set controller.k_gamma=0.3\". Can be repeated; without "
+    runs: Annotated[list[str], typer.Option("--run", metavar="NAME:OPTIONS", help="A variant, as the options of ahv "
+                    "run say it: \"mine:--preset robust --set controller.k_gamma=0.3\". Can be repeated; without "
                     "--controller, beside the neural law.")] = [],  # noqa: B006
     out: Out = None,
     open_: Open = False,

@@ -27,7 +27,8 @@ class Aside:
 
     def start(self, *arguments: Any) -> Fill:
         """Begin the works with these arguments, which are pickled. What is returned waits for them, and puts their
-        files into the folder that it is given; where the process could not do the works, it does them. Raises OSError."""
+        files into the folder that it is given; where the process could not do the works, it does them. It raises
+        OSError."""
         if self.end is not None:
             threading.Thread(target=self.send, args=(arguments,), daemon=True).start()
         return lambda place: self.finish(place, arguments)
@@ -53,8 +54,8 @@ class Aside:
 
 @contextmanager
 def aside(wanted: bool, prepare: Callable[[], None], *works: Work) -> Iterator[Aside]:
-    """A process, if `wanted`, that calls `prepare` and then does all works at once when it is told what with. It ends with the
-    context, and with this process. Raises NoTemporaryFolder."""
+    """A process, if `wanted`, that calls `prepare` and then does all works at once when it is told what with. It ends
+    with the context, and with this process. Raises NoTemporaryFolder."""
     if not wanted:
         yield Aside(works)
         return

@@ -40,7 +40,8 @@ class Kind:
 
 KINDS = {
     "run": Kind("a run", "run.json", "controller", ("signals.parquet", "signals.csv", "figures", "report.html")),
-    "simulate": Kind("a simulation", "run.json", "system", ("signals.parquet", "signals.csv", "figures", "report.html")),
+    "simulate": Kind("a simulation", "run.json", "system", (
+        "signals.parquet", "signals.csv", "figures", "report.html")),
     "compare": Kind("a comparison", "compare.json", "controllers", ("compare_*.png", "report.html", "runs")),
     "campaign": Kind("a campaign", "campaign.json", "dispersions", (
         "campaign.yaml", "parts", "receipt.json", "runs.parquet", "signals.parquet", "errors.parquet", "report.html",
@@ -61,9 +62,9 @@ def publish(folder: Path, kind: str, record: dict[str, Any], must: Fill, extras:
             less: Fill | None = None, rows: Path | None = None, interrupted: int = 0) -> Published:
     """Replace the results in `folder` by what `must` and `extras` write, and a head with `record`.
 
-    Where there is no room for all, the last extras are left out. Where there is none for `must`, the results go to a temporary
-    folder, and the former ones stay; without room there, `less` writes as much as fits. Signals that ask for an end
-    wait until all is in place; extras that have not begun are left out.
+    Where there is no room for all, the last extras are left out. Where there is none for `must`, the results go to a
+    temporary folder, and the former ones stay; without room there, `less` writes as much as fits. Signals that ask for
+    an end wait until all is in place; extras that have not begun are left out.
 
     `rows` is the file that `must` reads, if it does. It goes when all is in place. Where this fails it stays, so there
     is nothing to fall back to, and a signal ends the writing. `interrupted` is the signal that came before, or 0: then

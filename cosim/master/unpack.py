@@ -33,7 +33,8 @@ def safe_extract(archive: Path, folder: Path, max_total_bytes: int = MAX_TOTAL_B
     """Unpack `archive` into `folder` and return the member names; raise `BadArchive` before anything escapes.
 
     All members are looked at before the first byte is written. Sizes are counted while unpacking, because a header can
-    claim any size. Members whose names begin with one of `needless` are not written. `folder` must exist; the caller removes it, also after an exception.
+    claim any size. Members whose names begin with one of `needless` are not written. `folder` must exist; the caller
+    removes it, also after an exception.
     """
     with open_archive(archive) as file:
         members = file.infolist()

@@ -13,7 +13,7 @@ NARROW = 1 / 400  # of a flight: windows that are nearer to each other look like
 
 @dataclass(frozen=True)
 class Mark:
-    """Something that happened: at `begin` (s), or from there to `end`. Marks of one kind are shown or hidden at once."""
+    """Something that happened: at `begin` (s), or from there to `end`. Marks of a kind are shown or hidden at once."""
     kind: str
     text: str
     begin: float

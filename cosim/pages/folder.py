@@ -44,7 +44,7 @@ def read_flight(folder: Path) -> tuple[Flight, dict[str, Any]]:
         names = list(table.column_names)
         if not names or names[0] != "time" or not table.num_rows:
             raise ValueError("it has no time")
-        columns = [Signal(field.name, *(text(field.metadata, key) for key in (b"unit", b"description")))
+        columns = [Signal(field.name, text(field.metadata, b"unit"), text(field.metadata, b"description"))
                    for field in list(table.schema)[1:]]
         values = [np.asarray(column.to_numpy(), float) for column in table.columns]
     except (pa.ArrowException, OSError, ValueError, TypeError) as error:

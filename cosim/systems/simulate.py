@@ -33,8 +33,9 @@ def simulate(path: Path, step: float | None, stop: float | None, algorithm: str 
 
     What is None is what the file suggests. Times are in s. `values` are COMPONENT.VARIABLE=VALUE words, `record`
     patterns of COMPONENT.VARIABLE; of one FMU, its variables will do in both. `inputs` is a table of inputs over time,
-    `plot` draws what is recorded. `command` is what the page says that it was made by. `save` is a file for the state at the end, `restore` such a file to go on from. An
+    `plot` draws what is recorded. `save` is a file for the state at the end, `restore` such a file to go on from. An
     FMU call that takes longer than `time_limit` ends the flight; `stream` writes rows to the disk as it flies.
+    `command` is what the page says that it was made by.
 
     Raises UsageError for a file or numbers that do not fit, RunError if the FMUs cannot be started.
     """

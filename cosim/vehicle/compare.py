@@ -134,14 +134,16 @@ def shown(column: str) -> str:
 
 def compare(scenario: str | Scenario, controllers: list[str] | None = None, plant: str = "ideal",
             flavour: str | None = None, step: float = 0.01, stop: float | None = None, out: Path | None = None,
-            runs: Sequence[Variant] = (), command: str = "") -> tuple[dict[str, Any], dict[str, Flight], list[str], str]:
+            runs: Sequence[Variant] = (), command: str = ""
+            ) -> tuple[dict[str, Any], dict[str, Flight], list[str], str]:
     """Fly `controllers` (words of the registry or anybody's FMUs as NAME=FILE.fmu; none: all of ours) on one scenario.
 
     `runs` are variants that are flown, too; without `controllers`, they are flown beside the neural law. `command` is
     what the page says that it was made by.
 
     Returns the summary as compare.json has it, the flights by column, notes, and which results did not find room (empty
-    if all did). Writes compare.json, figures, a page, and the signals of each run to `out`, else to results/compare/SCENARIO. Raises what `run` raises.
+    if all did). Writes compare.json, figures, a page, and the signals of each run to `out`, else to
+    results/compare/SCENARIO. Raises what `run` raises.
     """
     plan = scenarios.load(scenario) if isinstance(scenario, str) else scenario
     flavour = flavour_of(flavour)

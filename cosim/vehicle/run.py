@@ -128,9 +128,7 @@ def presets_of(loop: ClosedLoop) -> dict[str, dict[str, str]]:
 
 def prepare() -> None:
     """Import what `illustrate` needs: matplotlib takes long."""
-    import matplotlib.backends.backend_agg
 
-    from ..pages import write
     from . import figures, look  # noqa: F401
 
 
