@@ -33,6 +33,7 @@ class Words(ArgumentParser):
     """A parser whose complaints are UsageErrors."""
 
     def error(self, message: str) -> NoReturn:
+        """Raises UsageError with what is wrong, and what may be said."""
         raise UsageError(f"{self.prog}: {message.rstrip('.')}. {ALLOWED}")
 
 

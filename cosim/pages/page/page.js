@@ -47,7 +47,7 @@ function shownUnit(unit) {
 
 const span = [Math.min(...DATA.runs.map((run) => run.start)), Math.max(...DATA.runs.map((run) => run.end))];
 const state = {chosen: new Set(DATA.chosen), angles: "deg", hidden: new Set(), printing: false,
-               range: null, panels: [], views: null};
+               range: null, panels: [], document: null, waiting: false};
 
 function indexAt(x, t) {  // the last point at or before t; -1 before the first
   let low = 0, high = x.length;
@@ -185,15 +185,19 @@ async function draw() {
   one("charts").replaceChildren(...figures);
   state.panels = panels;
   fit();
-  const whole = new Document();
-  panels.forEach((panel) => whole.add_root(panel.plot));
-  const views = await Bokeh.embed.add_document_standalone(whole, one("charts"), panels.map((panel) => panel.box));
-  if (turn !== drawn) return views.clear();
-  if (state.views) state.views.clear();
-  state.views = views;
+  if (state.document) state.document.clear();  // the range goes to the new one
+  state.document = new Document();
+  panels.forEach((panel) => state.document.add_root(panel.plot));
+  await Bokeh.embed.add_document_standalone(state.document, one("charts"), panels.map((panel) => panel.box));
   document.documentElement.dataset.drawn = String(turn);
 }
 let drawn = 0;
+
+function fitSoon() {  // once the tool that changes the time is done with all ranges
+  if (state.waiting) return;
+  state.waiting = true;
+  requestAnimationFrame(() => { state.waiting = false; fit(); });
+}
 
 function fit() {  // each panel's values fill it, within the time that is shown
   const {start, end} = state.range;
@@ -269,7 +273,7 @@ function listKinds() {
 function begin() {
   one("view").hidden = false;
   state.range = new models.Range1d({start: span[0], end: span[1] > span[0] ? span[1] : span[0] + 1});
-  state.range.on_change([state.range.properties.start, state.range.properties.end], fit);
+  state.range.on_change([state.range.properties.start, state.range.properties.end], fitSoon);
   for (const {name} of DATA.kinds)  // what happened to some flights only would shade all of them
     if (!DATA.runs.every((run) => run.marks.some((mark) => mark.kind === name))) state.hidden.add(name);
   listKinds();

@@ -1,0 +1,168 @@
+"""Pages of runs in headless Chromium: they open from the disk, say nothing, zoom, and show what is under the cursor."""
+import re
+from pathlib import Path
+
+import pytest
+from browser import Watched, chromium
+from test_pages import ATTACKS, made_up
+
+from cosim.pages.flown import Panel
+from cosim.pages.write import page, plain
+from cosim.vehicle.run import run
+from cosim.vehicle.view import view
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory, native_fmus) -> dict[str, Path]:
+    """The page of a whole run, of one that departs, and of five runs."""
+    place = tmp_path_factory.mktemp("pages")
+    for preset in ("printed", "robust", "calibrated"):
+        run("case1", preset=preset, out=place / preset)
+    for amplitude in (0.2, 0.3):
+        run("case1", uncertainty=amplitude, out=place / f"amplitude {amplitude}")
+    run("case2", out=place / "case2")
+    view([path for path in sorted(place.iterdir()) if path.name != "case2"], place / "five.html")
+    return {"case2": place / "case2" / "report.html", "printed": place / "printed" / "report.html",
+            "five": place / "five.html"}
+
+
+@pytest.fixture(scope="module")
+def browser():
+    with chromium() as found:
+        yield found
+
+
+def opened(browser, file: Path, width: int = 1366, **options) -> Watched:
+    """The page, when its curves are drawn."""
+    watched = Watched(browser, width, 900, **options)
+    watched.page.goto(file.as_uri())
+    drawn(watched, 1)
+    return watched
+
+
+def drawn(watched: Watched, turns: int) -> None:
+    """Until the curves were drawn so many times."""
+    watched.page.locator(f'html[data-drawn="{turns}"]').wait_for(state="attached", timeout=30_000)
+    watched.page.wait_for_timeout(300)
+
+
+def shown(page) -> list[float]:
+    """The time that the page shows, and every panel."""
+    times = page.evaluate("state.panels.map(({plot}) => [plot.x_range.start, plot.x_range.end])")
+    assert all(one == times[0] for one in times)
+    return times[0]
+
+
+@pytest.mark.parametrize("name", ["case2", "printed", "five"])
+def test_it_opens_from_the_disk_says_nothing_and_asks_for_nothing(browser, files, name):
+    watched = opened(browser, files[name])
+    assert watched.page.locator("#charts canvas").count() >= 12
+    assert watched.said == [] and watched.elsewhere() == []
+    assert files[name].stat().st_size < 3_000_000
+
+
+def test_dragging_zooms_all_panels_and_a_double_click_ends_it(browser, files):
+    watched = opened(browser, files["case2"])
+    page = watched.page
+    box = page.locator("#charts .plot").first.bounding_box()
+    left, right = box["x"] + 78, box["x"] + box["width"] - 12
+    page.mouse.move(left + 0.25 * (right - left), box["y"] + 60)
+    page.mouse.down()
+    page.mouse.move(left + 0.5 * (right - left), box["y"] + 90, steps=5)
+    page.mouse.up()
+    page.wait_for_timeout(200)
+    assert shown(page) == pytest.approx([75, 150], abs=3)
+    assert float(page.locator("#from").input_value()) == pytest.approx(75, abs=3)
+    low, high = page.evaluate("[state.panels[0].plot.y_range.start, state.panels[0].plot.y_range.end]")
+    assert 7900 < low < high < 8500  # the values within this time fill the panel
+    page.mouse.dblclick(left + 0.5 * (right - left), box["y"] + 60)
+    page.wait_for_timeout(300)
+    assert shown(page) == [0, 300]
+    page.locator("#from").fill("100")
+    page.locator("#from").press("Enter")
+    page.locator("#to").fill("120")
+    page.locator("#to").press("Tab")
+    assert shown(page) == [100, 120]
+    assert watched.said == []
+
+
+def test_the_cursor_tells_the_values_of_all_curves(browser, files):
+    watched = opened(browser, files["case2"])
+    page = watched.page
+    box = page.locator("#charts .plot").nth(2).bounding_box()
+    page.mouse.move(box["x"] + 78 + (box["width"] - 90) * 0.25, box["y"] + 60)
+    page.wait_for_timeout(200)
+    values = page.locator("#charts output").all_inner_texts()
+    assert len(values) >= 20 and all(re.fullmatch(r"-?\d[\d.e-]*", value) for value in values)
+    assert float(values[0]) == pytest.approx(8030, abs=10)
+    assert "scales of the coefficients: thrust, lift, drag, moment, forces 0.6 to 1.4" in page.locator("#now").inner_text()
+    page.locator("#at").fill("120")
+    assert "At 120 s: nothing is marked." in page.locator("#now").inner_text()
+
+
+def test_signals_are_chosen_by_name_and_angles_by_unit(browser, files):
+    watched = opened(browser, files["case2"])
+    page = watched.page
+    elevator = "state.panels.find((p) => p.title === 'Elevator').curves[0].course.y"
+    assert 15 < page.evaluate(f"Math.max(...{elevator})") < 25
+    page.locator("#angles").select_option("rad")
+    drawn(watched, 2)
+    assert 0.2 < page.evaluate(f"Math.max(...{elevator})") < 0.4
+    page.get_by_text("Signals (").click()
+    page.locator("#none").click()
+    drawn(watched, 3)
+    assert page.locator("#charts figure").count() == 0
+    page.locator("#search").fill("scale lift")
+    page.locator("#names input").first.focus()
+    page.keyboard.press("Space")
+    drawn(watched, 4)
+    assert page.locator("#charts h3").all_inner_texts() == ["Scales of the coefficients"]
+    page.locator("#first").click()
+    drawn(watched, 5)
+    assert page.locator("#charts figure").count() == 12 and watched.said == []
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("width", [390, 1366])
+@pytest.mark.parametrize("name", ["case2", "five"])
+def test_it_fits_its_width_and_scheme(browser, files, name, width, scheme):
+    watched = opened(browser, files[name], width, color_scheme=scheme)
+    assert watched.page.evaluate("document.documentElement.scrollWidth") <= width
+    ink, paper = watched.page.evaluate("[getComputedStyle(document.body).color, "
+                                       "getComputedStyle(document.body).backgroundColor]")
+    light = [sum(map(int, re.findall(r"\d+", colour))) for colour in (ink, paper)]
+    assert (light[0] < light[1]) == (scheme == "light")
+
+
+def test_the_keyboard_reaches_all_controls(browser, files):
+    watched = opened(browser, files["case2"])
+    page, reached = watched.page, []
+    for _ in range(12):
+        page.keyboard.press("Tab")
+        reached.append(page.evaluate("document.activeElement.id || document.activeElement.className || "
+                                     "document.activeElement.tagName"))
+    assert reached[:6] == ["skip", "from", "to", "whole", "at", "angles"] and "SUMMARY" in reached
+
+
+def test_it_prints_in_light_colours(browser, files, tmp_path):
+    watched = opened(browser, files["printed"], color_scheme="dark")
+    watched.page.pdf(path=tmp_path / "page.pdf")
+    assert (tmp_path / "page.pdf").stat().st_size > 20_000 and watched.said == []
+
+
+def test_texts_of_strangers_run_nowhere(browser, tmp_path):
+    for i, attack in enumerate(ATTACKS):
+        file = tmp_path / f"{i}.html"
+        file.write_text(page(attack, [made_up(attack), made_up(attack)], [Panel(attack, (attack,))], attack, [attack]),
+                        encoding="utf-8")
+        watched = opened(browser, file)
+        watched.page.get_by_text("Signals (").click()
+        assert watched.page.locator("img, iframe, b, svg:not(.key svg), a:not(.skip)").count() == 0
+        assert watched.said == [] and watched.elsewhere() == []
+        watched.context.close()
+    (tmp_path / "check.html").write_text(plain(ATTACKS[1], [(ATTACKS[2], "<p></p>", True)]), encoding="utf-8")
+    watched = Watched(browser)
+    watched.page.goto((tmp_path / "check.html").as_uri())
+    assert watched.page.locator("img").count() == 0 and watched.said == []
