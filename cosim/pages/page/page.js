@@ -8,8 +8,7 @@ const dark = () => matchMedia("(prefers-color-scheme: dark)").matches && !state.
 // Okabe and Ito's colours; those that a background hides are darker or lighter there.
 const COLOURS = {light: ["#0072b2", "#d55e00", "#007a5a", "#b4518c", "#000000", "#2f94c8", "#a97400"],
                  dark: ["#56b4e9", "#e69f00", "#1fc59a", "#e59ac6", "#ffffff", "#f0e442", "#ff7f3a"]};
-const SHADES = {light: ["#56b4e9", "#e69f00", "#cc79a7", "#009e73", "#999999", "#d55e00"],
-                dark: ["#56b4e9", "#e69f00", "#cc79a7", "#009e73", "#999999", "#d55e00"]};
+const SHADES = ["#56b4e9", "#e69f00", "#cc79a7", "#009e73", "#999999", "#d55e00"];
 
 function made(tag, attributes = {}, ...children) {  // texts become text nodes: nothing here is parsed as HTML
   const element = document.createElement(tag);
@@ -80,23 +79,25 @@ function united(kind) {  // the marks of a kind, those of all flights in one: sh
   return found;
 }
 
-// Windows and moments as annotations of every panel.
+// Moments are lines. Windows shade a panel faintly, and each kind of them has its own strip at the bottom.
+const STRIP = 5;  // px
 function marksOf(plot) {
   const {BoxAnnotation, Span} = models;
+  let strips = 0;
   DATA.kinds.forEach((kind, k) => {
-    const colour = SHADES[dark() ? "dark" : "light"][k % 6];
-    for (const mark of united(kind.name)) {
-      plot.add_layout(mark.end === null
-        ? new Span({location: mark.begin, dimension: "height", line_color: colour, line_width: 2, line_dash: LINES[k % 6],
-                    visible: !state.hidden.has(kind.name), level: "underlay", tags: [kind.name]})
-        : new BoxAnnotation({left: mark.begin, right: mark.end, fill_color: colour, fill_alpha: dark() ? 0.13 : 0.18,
-                             line_color: colour, line_alpha: 0.5, visible: !state.hidden.has(kind.name),
-                             level: "underlay", tags: [kind.name], hatch_pattern: HATCHES[k % 6], hatch_color: colour,
-                             hatch_alpha: 0.35, hatch_scale: 14}));
-    }
+    const colour = SHADES[k % SHADES.length], found = united(kind.name);
+    const common = {visible: !state.hidden.has(kind.name), level: "underlay", tags: [kind.name]};
+    const bottom = found.some((mark) => mark.end !== null) ? strips++ * (STRIP + 1) : 0;
+    for (const {begin, end} of found)
+      if (end === null)
+        plot.add_layout(new Span({location: begin, dimension: "height", line_color: colour, line_width: 2,
+                                  line_dash: LINES[k % LINES.length], ...common}));
+      else for (const [alpha, place] of [[dark() ? 0.1 : 0.12, {}], [0.9, {bottom, top: bottom + STRIP, bottom_units: "screen",
+                                                                         top_units: "screen"}]])
+        plot.add_layout(new BoxAnnotation({left: begin, right: end, fill_color: colour, fill_alpha: alpha, line_color: null,
+                                           ...place, ...common}));
   });
 }
-const HATCHES = ["blank", "right_diagonal_line", "left_diagonal_line", "dot", "horizontal_line", "vertical_line"];
 
 const {Document} = Bokeh.require("document");
 const models = {};
@@ -265,7 +266,7 @@ function listKinds() {
         if (mark.tags && mark.tags.includes(kind.name)) mark.visible = box.checked;
     }});
     const shade = made("span", {class: "swatch", "aria-hidden": "true"});
-    shade.style.background = SHADES.light[k % 6];
+    shade.style.background = SHADES[k % SHADES.length];
     one("kinds").append(made("label", {}, box, shade, made("span", {}, kind.text)));
   });
 }
