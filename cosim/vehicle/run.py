@@ -52,8 +52,8 @@ def run(scenario: str | Scenario, controller: str = "neural", preset: Mapping[st
     presets = {"controller": preset} if isinstance(preset, str) else dict(preset or {})
     loop = closed_loop(plan, controller, plant, flavour, presets, values, uncertainty)
     isolated = isolate or loop.foreign or time_limit is not None
-    with (flown_into(out, "run", plan.name, stream) as (folder, interrupted),
-          aside(isolated, prepare, *WORKS) as drawing):
+    with (aside(isolated, prepare, *WORKS) as drawing,  # first: it must not have the folder's lock
+          flown_into(out, "run", plan.name, stream) as (folder, interrupted)):
         end = plan.stop if stop is None else stop
         said = said_of(plan, loop, algorithm, step, end)
         rows = asked(folder, said) if stream else None

@@ -97,7 +97,8 @@ def test_the_cursor_tells_the_values_of_all_curves(browser, files):
     values = page.locator("#charts output").all_inner_texts()
     assert len(values) >= 20 and all(re.fullmatch(r"-?\d[\d.e-]*", value) for value in values)
     assert float(values[0]) == pytest.approx(8030, abs=10)
-    assert "scales of the coefficients: thrust, lift, drag, moment, forces 0.6 to 1.4" in page.locator("#now").inner_text()
+    told = page.locator("#now").inner_text()
+    assert "scales of the coefficients: thrust, lift, drag, moment, forces 0.6 to 1.4" in told
     page.locator("#at").fill("120")
     assert "At 120 s: nothing is marked." in page.locator("#now").inner_text()
 
