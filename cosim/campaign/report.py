@@ -30,6 +30,7 @@ pre { background: #f4f4f4; padding: .5em; font-size: 12px; white-space: pre-wrap
 .note { color: #555; }
 .curves { display: flex; flex-wrap: wrap; gap: 1em; } .curves figure { margin: 0; width: 220px; font-size: 12px; }
 .curves polyline { fill: none; stroke: #2471a3; stroke-width: 1.2; } summary { cursor: pointer; }
+@media (max-width: 700px) { table { display: block; overflow-x: auto; } }
 """
 MOST_LISTED = 12  # values of a distribution
 EXPLAINED = {
