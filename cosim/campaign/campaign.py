@@ -35,10 +35,18 @@ def campaign(path: Path, out: Path | None = None, scheduler: str | None = None, 
     if tls and not (scheduler or "").startswith("tls://"):
         raise UsageError(f"--tls-ca, --tls-cert and --tls-key are for a --scheduler tls://..., not {scheduler}.")
     plan = load(path, *subjects)
+    return carried_out(plan, path.read_text(), out, scheduler, resume, workers, tls, dashboard, began)
+
+
+def carried_out(plan: Plan, text: str, out: Path | None, scheduler: str | None = None, resume: bool = False,
+                workers: int | None = None, tls: tuple[Path, Path, Path] | None = None, dashboard: bool = False,
+                began: float | None = None) -> dict[str, Any]:
+    """As `campaign`, of a plan whose file has the content `text`; `began` is when (time.perf_counter, s)."""
+    began = time.perf_counter() if began is None else began
     with claimed(out, "campaign", plan.campaign.name) as folder:
         store = Store(folder, plan)
         try:
-            for sentence in (*plan.subject.remarks, *prepare(store, resume, path.read_text())):
+            for sentence in (*plan.subject.remarks, *prepare(store, resume, text)):
                 note(sentence)
             flown, flying_s = (0, 0.0) if store.complete else fly(plan, store, scheduler, workers, tls, dashboard)
             summary = reported(store)

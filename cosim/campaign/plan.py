@@ -18,9 +18,21 @@ from ..master.system import System, Value
 from ..yaml_file import Source
 from .code import CODE
 from .criteria import check_measures
-from .dispersions import Fmus, all_draws, all_mixings, checked, constants, with_values
+from .dispersions import (
+    Fmus,
+    all_draws,
+    all_mixings,
+    checked,
+    constants,
+    opened,
+    run_count,
+    with_measured,
+    with_values,
+)
+from .labels import Label, labels_of
 from .rare_rules import check_rare, towards, version, whole_tasks
-from .sampling import Draw, Sampler
+from .samples import Samples
+from .sampling import Draw, Sampler, free
 from .spec import Campaign
 from .subject import Figure, Measure, Subject, SystemSubject, TakeCourse, nothing, signal
 
@@ -28,7 +40,7 @@ from .subject import Figure, Measure, Subject, SystemSubject, TakeCourse, nothin
 WHOLE_ONLY = {"latin-hypercube": "A Latin hypercube divides each range into as many strata as there are runs",
               "grid": "A grid has a run for each of its points"}
 TICKS_PER_TASK, MOST_PER_TASK, LEAST_TASKS = 200_000, 200, 16
-IF_GIVEN = ("metrics", "rare", "stop_when")  # fields that campaign.json has only where the file has them
+IF_GIVEN = ("metrics", "rare", "samples", "stop_when")  # fields that campaign.json has only where the file has them
 
 
 @dataclass(frozen=True)
@@ -75,6 +87,7 @@ class Plan:
     fmus: dict[str, Path]                 # SHA256/FILE.fmu -> the file
     fingerprint: dict[str, Any]           # what determines the rows
     runs_per_task: int
+    labels: dict[str, Label]              # of what is drawn and what is recorded
 
     @property
     def path(self) -> Path:
@@ -146,7 +159,10 @@ def read(source: Source, *subjects: type[Subject]) -> tuple[Campaign, type[Subje
             source.fail((), f"{' or '.join(kind.field for kind in kinds)} is missing")
     bases: tuple[Any, ...] = (Campaign, subject.fields)
     model: type[Campaign] = create_model("CampaignFile", __base__=bases)
-    return source.load(model), subject
+    campaign = source.load(model)
+    for name, why in campaign.out_of_place():
+        source.fail((name,), why)
+    return campaign, subject
 
 
 def make(campaign: Campaign, source: Source, kind: type[Subject]) -> Plan:
@@ -157,14 +173,19 @@ def make(campaign: Campaign, source: Source, kind: type[Subject]) -> Plan:
         ticks = tick_count(subject.step, subject.stop, subject.start)
     with source.at("algorithm"):
         method(subject.algorithm)
+    campaign, hashes = with_measured(source, written := campaign)
+    samples: Samples | None = None
     systems, record, draws, fmus = {}, {}, {}, {}
     signals: set[str] = set()
+    labels: dict[str, Label] = {}
     for variant, system in subject.systems.items():
         with open_files(system) as files:
             driven = check_values(source, campaign, subject, variant, system, files)
-            draws[variant] = all_draws(source, campaign, system, files, driven)
+            samples = samples or opened(source, campaign, files)
+            draws[variant] = all_draws(source, campaign, system, files, driven, samples)
             signals |= recorded_names(system, dict(files), ["*"])
             record[variant] = recorded(source, campaign, subject, system, files)
+            labels |= labels_of([*(d.name for d in draws[variant]), *record[variant]], files)
             fixed = constants(source, campaign, files)
             system = with_values(system, fixed)
             stored = {c.name: f"{files[c.name].sha256}/{c.fmu.name}" for c in system.components}
@@ -175,15 +196,21 @@ def make(campaign: Campaign, source: Source, kind: type[Subject]) -> Plan:
     first = draws[next(iter(systems))]
     check_measures(source, campaign, subject, signals, [d.name for d in first])
     check_rare(source, campaign, draws)
-    sampler = Sampler(campaign.sampling, campaign.seed, campaign.runs, len(first),
-                      all_mixings(source, campaign, first))
-    runs_per_task = campaign.runs_per_task or task_size(campaign.runs, ticks * len(systems), python)
+    check_stop_when(source, campaign)
+    runs = run_count(source, campaign, samples, first)
+    written, campaign = (c.model_copy(update={"runs": runs}) for c in (written, campaign))
+    sampler = Sampler(campaign.sampling, campaign.seed, runs, len(free(first)), all_mixings(source, campaign, first),
+                      samples)
+    runs_per_task = campaign.runs_per_task or task_size(runs, ticks * len(systems), python)
     if campaign.rare:
         runs_per_task = whole_tasks(campaign.rare, runs_per_task)
+    if samples is not None:
+        hashes[samples.file] = samples.sha256
+        fmus[samples.stored] = samples.path
     fingerprint = {
-        **campaign.model_dump(mode="json", exclude={"name", "worst_by", *(n for n in IF_GIVEN
-                                                                          if n not in campaign.model_fields_set)}),
-        **subject.said, "runs_per_task": runs_per_task,
+        **written.model_dump(mode="json", exclude={"name", "worst_by", *(n for n in IF_GIVEN
+                                                                         if n not in campaign.model_fields_set)}),
+        **({"files": hashes} if hashes else {}), **subject.said, "runs_per_task": runs_per_task,
         "fmus": {variant: {c.name: str(c.fmu) for c in s.components} for variant, s in systems.items()}, "code": CODE,
         **({"openturns": version()} if campaign.rare else {})}
     job = Job(key_of(fingerprint), systems, record, subject.step, ticks, subject.algorithm, campaign.success,
@@ -191,7 +218,7 @@ def make(campaign: Campaign, source: Source, kind: type[Subject]) -> Plan:
               campaign.signals.decimate, CODE, subject.start, subject.tolerance, campaign.metrics,
               {name: expression for name, (_, expression) in subject.over_time.items()}, subject.measure,
               subject.course, towards(campaign))
-    return Plan(source, campaign, subject, fixed, job, fmus, fingerprint, runs_per_task)
+    return Plan(source, campaign, subject, fixed, job, fmus, fingerprint, runs_per_task, labels)
 
 
 def key_of(fingerprint: dict[str, Any]) -> str:

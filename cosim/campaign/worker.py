@@ -31,7 +31,7 @@ from .criteria import judged
 from .dispersions import with_values
 from .margin import of_flight
 from .plan import Job
-from .sampling import draw, keeps_signals
+from .sampling import drawn, keeps_signals
 
 ENVELOPE_RUNS, ENVELOPE_POINTS = 2000, 100  # the first runs, whose errors over time are kept
 PATIENCE_S = 5.0  # a call that outlasts the timeout by this ends the worker
@@ -71,12 +71,12 @@ class Outcome:
 
 def requests(job: Job, first: int, last: int, points: np.ndarray | None = None) -> Iterator[Request]:
     """Runs first ... last - 1, of each law; at `points` of the unit cube, else at the sampler's."""
-    for k, u in zip(range(first, last), job.sampler.points(first, last) if points is None else points):
+    found = zip(*(drawn(job.sampler, draws, first, last, points) for draws in job.draws.values()))
+    for k, by_law in zip(range(first, last), found):
         keep = keeps_signals(job.sampler.seed, k, job.keep_share)
-        for law in job.systems:
-            drawn = draw(job.draws[law], u)
-            values = {target: drawn[d.name] for d in job.draws[law] for target in d.targets}
-            yield Request(k, law, drawn, values, keep, k < ENVELOPE_RUNS)
+        for (law, draws), row in zip(job.draws.items(), by_law):
+            values = {target: row[d.name] for d in draws for target in d.targets}
+            yield Request(k, law, row, values, keep, k < ENVELOPE_RUNS)
 
 
 class SendJob(WorkerPlugin):
@@ -89,7 +89,7 @@ class SendJob(WorkerPlugin):
 
     def setup(self, worker: Any) -> None:
         """Keep the job in the worker's process."""
-        JOBS[self.job.key] = self.job
+        JOBS[self.job.key] = replace(self.job, sampler=self.job.sampler.placed(work_folder(worker)))
 
 
 class SendFmu(WorkerPlugin):
