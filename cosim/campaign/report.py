@@ -39,7 +39,8 @@ EXPLAINED = {
                 "with sine and cosine, never negative; differences of two phases stand beside the phases."),
     "scatter": ("{metric} against each dispersion, {law}", "The first {points} judged runs at most; the "
                 "twelve strongest."),
-    "sweep": ("{law}", "Over the grid. A cross is a run that was no success; a grey cell has no value."),
+    "sweep": ("{law}", "Over the grid. A cross is a run that was no success; a grey cell of a map has no value. The "
+              "scale of a map is that of the successes, if there are any: orange is above, light blue below it."),
 }
 
 
