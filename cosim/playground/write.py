@@ -15,8 +15,8 @@ FILES = Path(__file__).parent / "page"
 STYLES = ("uplot/uPlot.min.css", "style.css")
 SCRIPTS = {  # element -> files; the worker runs the text of the first
     "engine": ("engine.js", "measures.js", "worker.js"),
-    "page": ("uplot/uPlot.iife.min.js", "state.js", "view.js", "decimate.js", "charts.js", "controls.js", "readout.js",
-             "main.js"),
+    "page": ("uplot/uPlot.iife.min.js", "state.js", "view.js", "ranges.js", "decimate.js", "charts.js", "controls.js",
+             "readout.js", "main.js"),
 }
 
 
