@@ -97,8 +97,8 @@ function prepared(component, [code, , names, sources], slot, signals, step) {
 }
 
 // Flies {components: {name: {module, label, values}}, plan, step, stop, inquire}. What it gives: `count` rows of
-// signals (the columns of plan.columns) at the times k * step, whether it finished, else why not, and the values that `inquire`
-// names ({component: [variable, ...]}). Raises Refused if an FMU does not start.
+// signals (the columns of plan.columns) at the times k * step, whether it finished, else why not, and the values that
+// `inquire` names ({component: [variable, ...]}). Raises Refused if an FMU does not start.
 function fly({ components, plan, step, stop, inquire }) {
   const loaded = {},
     slot = new Map(plan.columns.map((name, i) => [name, i])),

@@ -4,8 +4,8 @@
 const inside = share => Math.min(1, Math.max(0, share));
 
 // The way of the slider of the parameter `name`, in shown units: `at` a share of it, 0 to 1, and the `share` of a
-// value. Its ends are those in `how` or layout.json, else a fifth of the preset's value and five times that, which it passes
-// evenly in the logarithm; within the limits that the FMU declares.
+// value. Its ends are those in `how` or layout.json, else a fifth of the preset's value and five times that, which it
+// passes evenly in the logarithm; within the limits that the FMU declares.
 function travelOf(about, state, name, how, view) {
   const variable = variableOf(about, state, name);
   const said = about.layout.ranges.find(([pattern]) => new RegExp(pattern).test(name.split(".")[1])) ?? [];

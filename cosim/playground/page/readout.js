@@ -6,6 +6,11 @@ function outcome(flight) {
   return flight.finished ? `Flew all ${figure(flight.stop)} s` : `Departed at ${figure(flight.reached, 6)} s`;
 }
 
+// A name that may be broken after its dots and underscores.
+function breakable(name) {
+  return name.split(/(?<=[._])/).flatMap(part => [make("wbr"), part]);
+}
+
 function showFlight(about, flight, last) {
   at("view").className = flight.finished ? "flown" : "departed";
   at("outcome").textContent = outcome(flight);
@@ -42,7 +47,7 @@ function showFlight(about, flight, last) {
         make(
           "tr",
           {},
-          make("th", { scope: "row", textContent: name }),
+          make("th", { scope: "row" }, ...breakable(name)),
           make("td", { textContent: unit === "1" ? "" : unit }),
           make("td", { textContent: figure(value, 5) }),
           make("td", { textContent: figure(before, 5) }),
