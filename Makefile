@@ -74,7 +74,7 @@ foreign-hosts: build
 # Our FMUs in the importers of others (1.7 GB more on disk, in .venv-peers). Writes docs/importers.md.
 peers: build $(PEERS)
 	$(BIN)/python benchmarks/importers.py
-	$(BIN)/python -m pytest --no-skips -m peers tests/system/test_importers.py
+	$(BIN)/python -m pytest --no-skips -m peers tests/system/test_importers.py tests/system/test_ecosystems.py
 
 .venv-peers/%/installed: requirements/peers/%.txt | .venv/everything
 	@echo "Installing $* into .venv-peers/$*."

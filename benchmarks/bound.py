@@ -41,7 +41,6 @@ from scipy.stats import spearmanr
 
 from cosim.campaign import plan as plans
 from cosim.campaign.sampling import draw
-from cosim.campaign.spec import Campaign
 from cosim.campaign.statistics import interval
 from cosim.errors import UsageError
 from cosim.master.algorithms import method
@@ -49,6 +48,7 @@ from cosim.master.algorithms.base import Experiment
 from cosim.master.loaded import Master, open_files
 from cosim.master.recording import Recorder
 from cosim.master.system import Component, Connection, System
+from cosim.vehicle.campaigns import Laws
 from cosim.vehicle.closed_loop import fmu_path
 from cosim.vehicle.scenario_model import SCALES
 from cosim.yaml_file import Source
@@ -70,10 +70,10 @@ class Draws:
     def __init__(self, case: str, seed: int | None = None):
         """`case` is one of CASES; `seed` stands for the file's. Raises UsageError for FMUs that are not built."""
         source = Source(ROOT / "docs" / "campaigns" / f"{case}.yaml", "campaign file")
-        campaign = source.load(Campaign)
+        campaign, _ = plans.read(source, Laws)
         if seed is not None:
             campaign = campaign.model_copy(update={"seed": seed})
-        self.plan = plans.make(campaign, source)
+        self.plan = plans.make(campaign, source, Laws)
         self.law = self.plan.laws[0]
         scenario = next(c for c in self.plan.job.systems[self.law].components if c.name == "scenario")
         self.fixed = {name: float(value) for name, value in scenario.values.items()}

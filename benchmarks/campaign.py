@@ -49,8 +49,9 @@ def flights(file: Path, first: int, last: int) -> float:
     """Seconds that the flights of these runs take in this process: systems are loaded, nothing is written."""
     from cosim.campaign.plan import load
     from cosim.campaign.worker import LoadedSystems, keep, requests
+    from cosim.vehicle.campaigns import Laws
 
-    plan = load(file)
+    plan = load(file, Laws)
     with tempfile.TemporaryDirectory() as folder:
         for stored, path in plan.fmus.items():
             keep(Path(folder), stored, path.read_bytes())
@@ -124,9 +125,10 @@ def plain(file: Path, runs: int) -> dict[str, float]:
     """The first runs of the campaign, in a pool of two processes."""
     from cosim.campaign.plan import load
     from cosim.campaign.worker import requests
+    from cosim.vehicle.campaigns import Laws
 
     drawn = []
-    for request in requests(load(file).job, 0, runs):
+    for request in requests(load(file, Laws).job, 0, runs):
         values: dict[str, dict[str, float]] = {}
         for name, value in request.values.items():
             values.setdefault(name.partition(".")[0], {})[name.partition(".")[2]] = float(value)

@@ -22,6 +22,7 @@ from bound import CASES, KNOWN, MODES, QUANTILES, ROOT, WITHIN, bounds
 
 from cosim.campaign.campaign import campaign
 from cosim.campaign.statistics import interval
+from cosim.vehicle.campaigns import Laws
 
 PICTURE = ROOT / "docs" / "pictures" / "bound.png"
 LAWS = [{"law": "resilient", "preset": "quiet", "name": "resilient, quiet"},
@@ -44,7 +45,7 @@ def flown(case: str, runs: int, out: Path) -> dict[str, np.ndarray]:
     path, folder = out / f"laws-{case}-{runs}.yaml", out / f"laws-{case}-{runs}"
     changed = {**text, "controllers": LAWS, "runs": runs, "signals": {"share": 0.0}}
     path.write_text(yaml.safe_dump(changed, sort_keys=False))  # the order of the dispersions decides the draws
-    campaign(path, folder, resume=True, workers=1)
+    campaign(path, folder, resume=True, workers=1, subjects=[Laws])
     rows = pq.read_table(folder / "runs.parquet").to_pylist()
     found = {law["name"]: np.full(runs, np.inf) for law in LAWS}
     for row in rows:

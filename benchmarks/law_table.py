@@ -26,6 +26,7 @@ from studies import NOISE  # noqa: E402
 
 from cosim.campaign.campaign import campaign  # noqa: E402
 from cosim.campaign.statistics import interval  # noqa: E402
+from cosim.vehicle.campaigns import Laws  # noqa: E402
 
 CAMPAIGNS = HERE.parent / "docs" / "campaigns"
 OUT = Path("results") / "law_table"
@@ -47,7 +48,7 @@ def flown(name: str, workers: int | None) -> dict[str, pa.Table]:
     path = OUT / f"{name}.yaml"
     path.write_text(yaml.safe_dump({**yaml.safe_load((CAMPAIGNS / f"{file}.yaml").read_text()), **changes},
                                    sort_keys=False))
-    campaign(path, OUT / name, resume=True, workers=workers)
+    campaign(path, OUT / name, resume=True, workers=workers, subjects=[Laws])
     table = pq.read_table(OUT / name / "runs.parquet")
     laws = table["controller"].unique().to_pylist()
     return {law: table.filter(pc.equal(table["controller"], law)) for law in laws}

@@ -21,6 +21,7 @@ from protected_laws import MODELS, OUT
 
 from cosim.campaign import plan
 from cosim.campaign.worker import LoadedSystems, requests
+from cosim.vehicle.campaigns import Laws
 from fmus.builder import build
 
 RESULTS = Path("results") / "retuned"
@@ -70,7 +71,7 @@ def flown(row: str, name: str) -> dict[str, np.ndarray]:
             path = Path(folder) / "campaign.yaml"
             path.write_text(yaml.safe_dump({**yaml.safe_load((CAMPAIGNS / f"{file}.yaml").read_text()),
                                             "controllers": [laws[name]], "runs": runs, "seed": seed}))
-            made = plan.load(path)
+            made = plan.load(path, Laws)
             for stored, fmu in made.fmus.items():
                 (Path(folder) / stored).parent.mkdir(exist_ok=True)
                 shutil.copy(fmu, Path(folder) / stored)

@@ -22,7 +22,7 @@ from studies import NOISE
 from ahv_ctrl_fmu.resilient_model import QUIET
 from cosim.campaign import plan as plans
 from cosim.campaign.sampling import draw
-from cosim.campaign.spec import Campaign
+from cosim.vehicle.campaigns import Laws
 from cosim.yaml_file import Source
 
 GAINS = [name for name, value in QUIET.items() if value and not isinstance(value, bool)]
@@ -35,7 +35,8 @@ Flown = tuple[str, float, dict, dict]  # scenario, stop (s), values of the scena
 def instruments(seed, count):
     """Plant values of the first runs of docs/campaigns/instruments.yaml, had it this seed."""
     source = Source(Path(__file__).parents[1] / "docs" / "campaigns" / "instruments.yaml", "campaign file")
-    made = plans.make(source.load(Campaign).model_copy(update={"seed": seed}), source)
+    campaign, _ = plans.read(source, Laws)
+    made = plans.make(campaign.model_copy(update={"seed": seed}), source, Laws)
     return [{name.partition(".")[2]: value for name, value in
              draw(made.draws["resilient"], made.job.sampler.uniforms(run)).items()} for run in range(count)]
 

@@ -1,9 +1,15 @@
 """Helpers that fly small campaigns in tests."""
+from functools import partial
+
 import yaml
 
+from cosim.campaign import campaign as campaigns
+from cosim.campaign import plan
 from cosim.campaign.store import Store
 from cosim.campaign.worker import JOBS, LOADED, LoadedSystems, fly_batch, keep
+from cosim.vehicle.campaigns import Laws
 
+campaign = partial(campaigns.campaign, subjects=[Laws])  # as `ahv campaign` flies a file
 TABLES = ("runs.parquet", "signals.parquet", "errors.parquet")
 FILE = {
     "name": "small", "scenario": "case1", "controllers": ["neural", "backstepping"], "stop": 10, "runs": 24, "seed": 3,
@@ -15,6 +21,11 @@ FILE = {
     "correlations": [{"draws": ["plant.mass", "plant.CM_alpha"], "coefficient": 0.5}],
     "success": {"altitude": "altitude_error_ft.max_abs < 20"}, "signals": {"share": 0.2, "failures": True},
 }
+
+
+def load(path):
+    """The plan of a campaign file, as `ahv campaign` reads it."""
+    return plan.load(path, Laws)
 
 
 def written(folder, **changes):
@@ -37,8 +48,7 @@ def fly_here(store: Store, folder) -> None:
         keep(folder, stored, path.read_bytes())
     LOADED[:] = [LoadedSystems(plan.job, folder)]
     try:
-        for first, last in plan.batches():
-            if first not in store.done:
-                store.add(first, fly_batch(plan.job.key, first, last))
+        for first, last in store.missing():
+            store.add(first, fly_batch(plan.job.key, first, last))
     finally:
         LOADED.pop().close()

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import yaml
 from altered import redescribed
+from campaigns import load
 from wrong_words import (
     ALGORITHMS,
     ATTRIBUTES,
@@ -34,7 +35,6 @@ from wrong_words import (
     WORDS,
 )
 
-from cosim.campaign import plan
 from cosim.campaign.sampling import draw
 from cosim.cli.app import done
 from cosim.errors import UsageError
@@ -213,7 +213,7 @@ def campaign_data(r: random.Random) -> bytes:
 def planned(file: Path) -> int:
     """Plan the campaign in `file` and draw from it, without flying: the exit status."""
     try:
-        made = plan.load(file)
+        made = load(file)
     except UsageError as error:
         print(f"ahv: {error}")
         return 2

@@ -1,5 +1,7 @@
 """The report's pictures."""
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
+from functools import partial
+from textwrap import fill
 from typing import Any
 
 import numpy as np
@@ -8,13 +10,15 @@ import pyarrow.compute
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from ..text import without_math
-from ..vehicle.metrics import HEADLINES, METRICS, OVER_TIME
-from .statistics import Results, interval
+from .labels import Label, on_axes
+from .plan import Plan
+from .statistics import EXPLAINED, Results
+from .subject import Figure as Metric
 
 WIDTH = 9.0
 POINTS = 2000      # of a scatter plot
 MOST_PANELS = 24
+WRAP = 44          # characters of a line of a label
 FAILURE, SUCCESS = "#c0392b", "#2471a3"
 
 
@@ -23,11 +27,6 @@ def figure(height: float, rows: int = 1, columns: int = 1, **options: Any) -> tu
     made = Figure(figsize=(WIDTH, height), layout="constrained")
     FigureCanvasAgg(made)
     return made, made.subplots(rows, columns, squeeze=False, **options)
-
-
-def short(name: str) -> str:
-    """A draw's name on an axis."""
-    return without_math(name.removeprefix("scenario."))
 
 
 def wide(values: np.ndarray) -> bool:
@@ -41,7 +40,7 @@ def probability(results: list[Results]) -> Figure:
     made, axes = figure(0.8 + 0.5 * len(results))
     axis = axes[0, 0]
     for i, r in enumerate(results):
-        p, (low, high) = r.probability or 0.0, interval(r.successes, r.judged)
+        p, (low, high) = r.probability or 0.0, r.interval
         axis.barh(i, p, color=f"C{i}", alpha=0.6)
         axis.errorbar(p, i, xerr=[[max(0.0, p - low)], [max(0.0, high - p)]], color="k", capsize=6)
     axis.set_yticks(range(len(results)), [r.law for r in results])
@@ -52,13 +51,15 @@ def probability(results: list[Results]) -> Figure:
     return made
 
 
-def envelopes(results: list[Results], errors: pa.Table, stop: float) -> Figure:
-    """Quantiles over the runs that still fly, at each time (s) up to `stop`; below, how many that are."""
-    made, axes = figure(8.5, len(OVER_TIME) + 1, len(results), sharex=True, sharey="row")
+def envelopes(results: list[Results], errors: pa.Table, labels: Mapping[str, str], start: float, stop: float
+              ) -> Figure:
+    """Quantiles over the runs that still fly, at each time (s) from `start` to `stop`, of the columns of `labels`,
+    which are what is on the axis; below, how many runs that are."""
+    made, axes = figure(3.5 + 2.5 * len(labels), len(labels) + 1, len(results), sharex=True, sharey="row")
     for column, r in enumerate(results):
-        mine = errors.filter(pa.compute.equal(errors["controller"], r.law))
-        time, by_name = over_time(mine)
-        for row, (name, (label, _)) in enumerate(OVER_TIME.items()):
+        mine = errors.filter(pa.compute.equal(errors[r.column], r.law))
+        time, by_name = over_time(mine, labels)
+        for row, (name, label) in enumerate(labels.items()):
             axis, lines = axes[row, column], by_name[name]
             if len(lines):
                 levels = np.nanquantile(lines, [0.0, 0.05, 0.5, 0.95, 1.0], axis=0)
@@ -75,7 +76,7 @@ def envelopes(results: list[Results], errors: pa.Table, stop: float) -> Figure:
         if len(time) and time[-1] < stop * (1 - 1e-9):
             time, flying = np.append(time, [time[-1], stop]), np.append(flying, [0.0, 0.0])
         axes[-1, column].plot(time, flying, color=f"C{column}")
-        axes[-1, column].set_xlim(0, stop)
+        axes[-1, column].set_xlim(start, stop)
         axes[-1, column].set_ylim(-3, 103)
         axes[-1, column].set_xlabel("time (s)")
         axes[-1, column].grid(True, alpha=0.3)
@@ -84,21 +85,24 @@ def envelopes(results: list[Results], errors: pa.Table, stop: float) -> Figure:
     return made
 
 
-def over_time(errors: pa.Table) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+def over_time(errors: pa.Table, names: Iterable[str]) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """Time (s), shape (times,), of the run that flew the longest; name -> errors, shape (runs, times), NaN where a run
     had ended."""
     time = max((np.asarray(x, float) for x in errors["time"].to_pylist()), key=len, default=np.empty(0))
-    found = {name: np.full((errors.num_rows, len(time)), np.nan) for name in OVER_TIME}
+    found = {name: np.full((errors.num_rows, len(time)), np.nan) for name in names}
     for name, lines in found.items():
         for line, values in zip(lines, errors[name].to_pylist()):
             line[:len(values)] = values
     return time, found
 
 
-def histograms(results: list[Results], names: tuple[str, ...] = HEADLINES) -> Figure:
-    """How often each value of four metrics occurs."""
-    made, axes = figure(6.0, 2, 2)
-    for axis, name in zip(axes.flat, names):
+def histograms(results: list[Results], metrics: Mapping[str, Metric]) -> Figure:
+    """How often each value of the metrics occurs."""
+    rows = -(-len(metrics) // 2)
+    made, axes = figure(3.0 * rows, rows, 2)
+    for axis in axes.flat[len(metrics):]:
+        axis.set_visible(False)
+    for axis, (name, metric) in zip(axes.flat, metrics.items()):
         columns = [r.columns[name][np.isfinite(r.columns[name])] for r in results]
         together = np.concatenate(columns)
         log = wide(together)
@@ -110,67 +114,78 @@ def histograms(results: list[Results], names: tuple[str, ...] = HEADLINES) -> Fi
                 axis.hist(values, bins, alpha=0.5, label=r.law, color=f"C{i}")
         if log:
             axis.set_xscale("log")
-        axis.set_xlabel(f"{name} ({METRICS[name].unit})")
+        axis.set_xlabel(f"{name} ({metric.unit})" if metric.unit else name)
         axis.set_ylabel("runs")
         axis.grid(True, alpha=0.3)
     axes[0, 0].legend(fontsize="small")
     return made
 
 
-def drivers(results: list[Results], draws: list[str], metric: str) -> Figure:
-    """Rank correlation of failure with each draw."""
+def drivers(results: list[Results], draws: list[str], metric: str | None, labels: Mapping[str, Label]) -> Figure:
+    """What failure and the metric go with: rank correlations with each draw, and what it explains of failure."""
     found = [r.drivers(draws, metric) for r in results]
     names = list(found[0])[:MOST_PANELS]
-    made, axes = figure(1.0 + 0.32 * len(names) * max(1, len(results) / 2), 1, 2, sharey=True)
-    for axis, what in zip(axes[0], ("failure", metric)):
+    with_metric = {metric: f"rank correlation with\n{metric}"} if metric else {}
+    shown = {"failure": "rank correlation\nwith failure", **with_metric,
+             EXPLAINED: "share of failure's variance\nexplained by it alone"}
+    made, axes = figure(1.4 + 0.32 * len(names) * max(1, len(results) / 2), 1, len(shown), sharey=True)
+    for axis, (what, title) in zip(axes[0], shown.items()):
         for i, (r, by_draw) in enumerate(zip(results, found)):
             at = np.arange(len(names)) + (i - (len(results) - 1) / 2) * 0.8 / len(results)
             axis.barh(at, [by_draw[n][what] for n in names], 0.8 / len(results), color=f"C{i}", label=r.law)
-        axis.set_xlim(-1, 1)
-        axis.set_xlabel(f"rank correlation with {what}", fontsize="small")
+        axis.set_xlim(0 if what == EXPLAINED else -1, 1)
+        axis.set_xticks([0, 0.5, 1] if what == EXPLAINED else [-1, -0.5, 0, 0.5, 1])
+        axis.set_title(title, fontsize="small")
+        axis.tick_params(labelsize="small")
         axis.grid(True, alpha=0.3)
-    axes[0, 0].set_yticks(range(len(names)), [short(n) for n in names], fontsize="small")
+    words = on_axes(names, labels)
+    axes[0, 0].set_yticks(range(len(names)), [fill(words[n], WRAP) for n in names], fontsize="small")
     axes[0, 0].invert_yaxis()
-    axes[0, 0].legend(fontsize="small")
+    if len(results) > 1:
+        made.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside upper center", ncols=4, fontsize="small")
     return made
 
 
-def scatter(r: Results, draws: list[str], metric: str) -> Figure:
-    """`metric` against each draw, failures apart."""
+def scatter(r: Results, draws: list[str], metric: str, labels: Mapping[str, Label], unit: str = "") -> Figure:
+    """`metric` against each draw that is a number, failures apart."""
     by_draw = r.drivers(draws, metric)
-    names = list(by_draw)[:MOST_PANELS // 2]
-    rows = -(-len(names) // 3)
-    made, axes = figure(0.4 + 2.3 * rows, rows, 3, sharey=True)
-    chosen = slice(None, POINTS)
+    names = [name for name in by_draw if name in r.columns][:MOST_PANELS // 2]
+    rows = max(1, -(-len(names) // 3))
+    made, axes = figure(0.8 + 2.3 * rows, rows, 3, sharey=True)
+    chosen, words = slice(None, POINTS), on_axes(names, labels)
     y, success = r.columns[metric][chosen], r.columns["success"][chosen].astype(bool)
     for axis, name in zip(axes.flat, names):
         x = r.columns[name][chosen]
         axis.plot(x[~success], y[~success], ".", ms=3, alpha=0.5, color=FAILURE, label="failure")
         axis.plot(x[success], y[success], ".", ms=3, alpha=0.5, color=SUCCESS, label="success")
-        axis.set_xlabel(short(name), fontsize="small")
-        axis.set_title(f"with failure {by_draw[name]['failure']:+.2f}", fontsize="small")
+        axis.set_xlabel(fill(words[name], WRAP), fontsize="small")
+        axis.set_title(f"rank correlation with failure: {by_draw[name]['failure']:.2f}".replace("-", "\N{MINUS SIGN}"),
+                       fontsize="small")
+        axis.tick_params(labelsize="small")
         axis.grid(True, alpha=0.3)
         if wide(y):
             axis.set_yscale("log")
     for axis in axes.flat[len(names):]:
         axis.set_visible(False)
-    axes[0, 0].legend(fontsize="small", loc="upper right")
+    made.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside upper center", ncols=2, fontsize="small",
+                markerscale=3)
     for axis in axes[:, 0]:
-        axis.set_ylabel(metric, fontsize="small")
+        axis.set_ylabel(f"{metric} ({unit})" if unit else metric, fontsize="small")
     return made
 
 
-def every(results: list[Results], errors: pa.Table, draws: list[str], metric: str,
-          stop: float) -> dict[str, Callable[[], Figure]]:
+def every(plan: Plan, results: list[Results], errors: pa.Table, draws: list[str]) -> dict[str, Callable[[], Figure]]:
     """File name -> how to draw it."""
-    made: dict[str, Callable[[], Figure]] = {
-        "probability": lambda: probability(results),
-        "histograms": lambda: histograms(results),
-    }
+    subject, metric = plan.subject, plan.worst_by
+    made: dict[str, Callable[[], Figure]] = {"probability": lambda: probability(results)}
+    if plan.headlines:
+        made["histograms"] = lambda: histograms(results, {name: plan.metrics[name] for name in plan.headlines})
     if errors.num_rows:
-        made["envelopes"] = lambda: envelopes(results, errors, stop)
+        labels = {name: label for name, (label, _) in subject.over_time.items()}
+        made["envelopes"] = lambda: envelopes(results, errors, labels, subject.start, subject.stop)
     if results[0].drivers(draws, metric):
-        made["drivers"] = lambda: drivers(results, draws, metric)
-        for r in results:
-            made[f"scatter_{r.law}"] = lambda r=r: scatter(r, draws, metric)  # type: ignore[misc]
+        made["drivers"] = lambda: drivers(results, draws, metric, plan.labels)
+        if metric is not None:
+            made |= {f"scatter_{r.law}": partial(scatter, r, draws, metric, plan.labels, plan.metrics[metric].unit)
+                     for r in results}
     return made

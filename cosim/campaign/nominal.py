@@ -7,7 +7,6 @@ divisions by 0 that no run has.
 """
 from distributed import Client, Future, KilledWorker
 
-from .criteria import judged
 from .engine import asking, cannot_fly
 from .plan import Plan
 from .statistics import JUDGED
@@ -27,11 +26,9 @@ def check(client: Client, plan: Plan) -> list[str]:
             why = "each worker that flew it died" if outcome is None else outcome.message.rstrip(".")
             untried.append(f"The success expressions could not be tried on the nominal flight of {law}: {why}.")
             continue
-        for name, text in plan.campaign.success.items():
-            try:
-                judged(text, outcome.metrics)
-            except ValueError as reason:
-                plan.source.fail(("success", name), f"'{text}' has no value on the nominal flight of {law}: {reason}")
+        for name, reason in outcome.reasons.items():
+            text = plan.campaign.success[name]
+            plan.source.fail(("success", name), f"'{text}' has no value on the nominal flight of {law}: {reason}")
     return untried
 
 

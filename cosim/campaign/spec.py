@@ -2,87 +2,29 @@
 import math
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, field_validator, model_validator
+from pydantic import AfterValidator, BaseModel, Field, field_validator, model_validator
 
 from .. import names
-from ..vehicle.closed_loop import law_name
-from .criteria import Criterion
+from ..master.measures import parse
+from .distributions import (
+    Choice,
+    Empirical,
+    Finite,
+    Integer,
+    LogNormal,
+    Normal,
+    Positive,
+    Scalar,
+    Scipy,
+    Strict,
+    Triangular,
+    Uniform,
+    Whole,
+)
 
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-Finite = Annotated[float, Field(allow_inf_nan=False)]
-Whole = Annotated[int, Field(strict=True)]  # neither 1.0 nor true
+Readable = Annotated[str, AfterValidator(lambda text: parse(text).text)]  # an expression
+MetricName = Annotated[str, Field(pattern=r"^[^\W\d]\w*(\.[^\W\d]\w*)*$")]
 Name = Annotated[str, Field(pattern=r"^\w+\.[^\s=]+$")]  # component.variable
-
-
-class Strict(BaseModel):
-    """A model that refuses fields it does not know."""
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class Uniform(Strict):
-    """Between `low` and `high`."""
-    distribution: Literal["uniform"]
-    low: Finite
-    high: Finite
-
-    @model_validator(mode="after")
-    def ordered(self) -> "Uniform":
-        if not self.low < self.high:
-            raise ValueError("low must be below high")
-        return self
-
-
-class Integer(Strict):
-    """A whole number from `low` to `high`, each equally likely."""
-    distribution: Literal["integer"]
-    low: Annotated[Whole, Field(ge=-2**53, le=2**53)]
-    high: Annotated[Whole, Field(ge=-2**53, le=2**53)]
-
-    @model_validator(mode="after")
-    def ordered(self) -> "Integer":
-        if not self.low < self.high:
-            raise ValueError("low must be below high")
-        return self
-
-
-class Normal(Strict):
-    """Cut off at `low` and `high` where these are given."""
-    distribution: Literal["normal"]
-    mean: Finite
-    std: Positive
-    low: Finite | None = None
-    high: Finite | None = None
-
-    @model_validator(mode="after")
-    def ordered(self) -> "Normal":
-        if self.low is not None and self.high is not None and not self.low < self.high:
-            raise ValueError("low must be below high")
-        return self
-
-
-class LogNormal(Strict):
-    """Its logarithm is normal, with standard deviation `sigma` about the logarithm of `median`."""
-    distribution: Literal["log-normal"]
-    median: Positive
-    sigma: Positive
-
-
-class Choice(Strict):
-    """One of `values`, equally likely or by `weights`."""
-    distribution: Literal["choice"]
-    values: list[bool | Finite | str] = Field(min_length=1)
-    weights: list[Annotated[float, Field(ge=0, allow_inf_nan=False)]] | None = None
-
-    @model_validator(mode="after")
-    def weighted(self) -> "Choice":
-        if self.weights is not None and (len(self.weights) != len(self.values) or not 0 < sum(self.weights) < math.inf):
-            raise ValueError("weights must be one for each of values, with a finite sum above 0")
-        if len({str if isinstance(v, str) else bool if isinstance(v, bool) else float for v in self.values}) > 1:
-            raise ValueError("values must be all numbers, all truths or all words")
-        return self
-
-
-Scalar = Annotated[Uniform | Integer | Normal | LogNormal | Choice, Field(discriminator="distribution")]
 
 
 class Sinusoid(Strict):
@@ -122,6 +64,10 @@ class DispersedLogNormal(LogNormal, Options):
     """A log-normal dispersion."""
 
 
+class DispersedTriangular(Triangular, Options):
+    """A triangular dispersion."""
+
+
 class DispersedChoice(Choice, Options):
     """A dispersion with given values."""
 
@@ -132,8 +78,17 @@ class DispersedChoice(Choice, Options):
         return self
 
 
-Dispersion = Annotated[DispersedUniform | DispersedInteger | DispersedNormal | DispersedLogNormal | DispersedChoice
-                       | Sinusoid, Field(discriminator="distribution")]
+class DispersedEmpirical(Empirical, Options):
+    """A dispersion with numbers that were measured."""
+
+
+class DispersedScipy(Scipy, Options):
+    """A dispersion by one of scipy's distributions."""
+
+
+Dispersion = Annotated[DispersedUniform | DispersedInteger | DispersedNormal | DispersedLogNormal | DispersedTriangular
+                       | DispersedChoice | DispersedEmpirical | DispersedScipy | Sinusoid,
+                       Field(discriminator="distribution")]
 
 
 class Correlation(Strict):
@@ -151,62 +106,116 @@ class Correlation(Strict):
         return self
 
 
-class Law(Strict):
-    """A controller to fly, by a word or as NAME=FILE.fmu; `name` tells two presets of one law apart."""
-    law: str
-    preset: str | None = Field(default=None, description="else the scenario's, or the law's own")
-    name: str = ""
-    set: dict[Name, Finite | bool | str] = {}
-
-    @field_validator("name")
-    @classmethod
-    def is_name(cls, value: str) -> str:
-        return names.checked(value) if value else value
-
-
 class Signals(Strict):
     """Whose signals are kept: of a share of the runs, and of the failures."""
     share: float = Field(default=0.0, ge=0, le=1)
-    failures: bool = False
+    failures: bool | int = False
     record: list[str] = Field(default=[], description="component.variable, * for any; none: what metrics need")
     decimate: Whole = Field(default=10, ge=1)
 
+    @field_validator("failures", mode="before")
+    @classmethod
+    def truth_or_number(cls, value: Any) -> Any:
+        if not isinstance(value, int) or value < 0:
+            raise ValueError("true, false or a whole number is wanted")
+        return value
 
-class Campaign(Strict):
-    """What a campaign file may say."""
+    @property
+    def most_failures(self) -> float:
+        """Of how many failures of each law signals are kept."""
+        return math.inf if self.failures is True else int(self.failures)
+
+
+class StopWhen(Strict):
+    """Ends a campaign when the interval of a probability is narrow enough, for all laws; see `sequential`."""
+    probability: str = "success"
+    half_width: float = Field(gt=0, lt=0.5)
+    confidence: float = Field(default=0.95, gt=0, lt=1)
+
+    @property
+    def column(self) -> str:
+        """The column of runs.parquet with what the probability is of."""
+        return "success" if self.probability == "success" else f"success.{self.probability}"
+
+
+class Rare(Strict):
+    """Flies towards a failure that is too rare for plain sampling, level by level; see `rare`."""
+    failure: str | None = Field(default=None, description="a name of success; else all of them together")
+    method: Literal["subset-simulation", "cross-entropy"] = "subset-simulation"
+    runs_per_level: Whole = Field(default=1000, ge=100, le=1_000_000, multiple_of=10)
+    most_levels: Whole = Field(default=10, ge=1, le=100)
+
+    @property
+    def most_runs(self) -> int:
+        """Of all levels."""
+        return self.runs_per_level * self.most_levels
+
+
+class Named(Strict):
+    """What a campaign is called."""
     name: Annotated[str, AfterValidator(names.checked)]
-    scenario: str
-    controllers: list[Law] = Field(default=["neural"], min_length=1, validate_default=True)  # type: ignore[list-item]
-    presets: dict[str, str] = Field(default={}, description="of other components")
-    plant: str = "ideal"
-    flavour: str = "native"
-    step: Positive = 0.01
+
+
+class Campaign(Named):
+    """What a campaign file may say, whatever its subject is; the subject's own fields are added to it."""
+    step: Positive | None = Field(default=None, description="s; else the subject's, as stop and algorithm")
     stop: Positive | None = None
-    algorithm: str = "gauss-seidel"
-    set: dict[Name, Finite | bool | str] = {}
-    runs: Whole = Field(ge=1, le=100_000_000)
-    seed: Whole = Field(ge=0, lt=2**63)
-    sampling: Literal["random", "latin-hypercube", "sobol"] = "random"
-    dispersions: dict[Name, Dispersion] = Field(min_length=1)
-    correlations: list[Correlation] = []
-    success: dict[str, Criterion] = Field(min_length=1, description="besides reaching the end")
+    algorithm: str | None = None
+    set: dict[Name, Finite | bool | str] = Field(default={})
+    runs: Whole = Field(default=0, ge=1, le=100_000_000, description="else all of the samples, or of the grid")
+    seed: Whole = Field(default=0, ge=0, lt=2**63, description="required where something is drawn")
+    sampling: Literal["random", "latin-hypercube", "sobol", "grid"] = "random"
+    samples: str | None = Field(default=None, description="a .csv or .parquet file: a column a variable, a row a run")
+    dispersions: dict[Name, Dispersion] = Field(default={}, min_length=1)
+    correlations: list[Correlation] = Field(default=[])
+    metrics: dict[MetricName, Readable] = Field(default={}, description="expressions; columns of runs.parquet")
+    success: dict[str, Readable] = Field(default={}, min_length=1, description="besides reaching the end")
     worst_by: str | None = Field(default=None, description="a metric; else the first that success names")
     signals: Signals = Signals()
+    rare: Rare | None = None
+    stop_when: StopWhen | None = None
     timeout_s: Positive = 60.0
     runs_per_task: Whole | None = Field(default=None, ge=1)
 
-    @field_validator("controllers", mode="before")
+    @model_validator(mode="before")
     @classmethod
-    def words(cls, value: Any) -> Any:
-        return [{"law": item} if isinstance(item, str) else item for item in value] if isinstance(value, list) \
-            else value
+    def gridded(cls, data: Any) -> Any:
+        """In a grid a dispersion need not say its distribution."""
+        if not isinstance(data, dict) or data.get("sampling") != "grid" or not isinstance(
+                given := data.get("dispersions"), dict):
+            return data
+        return {**data, "dispersions": {name: with_distribution(one) for name, one in given.items()}}
 
-    @field_validator("controllers")
+    @model_validator(mode="after")
+    def enough(self) -> "Campaign":
+        """Nothing is missing that is wanted only in some campaigns."""
+        grid, own = self.sampling == "grid", self.samples is not None
+        for missing, field in ((not self.runs and not grid and not own, "runs"),
+                               (not self.dispersions and not own, "dispersions"),
+                               ("seed" not in self.model_fields_set and not grid and self.dispersions, "seed"),
+                               (not self.success and not grid, "success")):
+            if missing:
+                raise ValueError(f"{field} is missing")
+        if self.rare and own:
+            raise ValueError("rare chooses its own points: samples does not belong here")
+        if grid and (own or self.correlations):
+            raise ValueError(f"a grid takes no {'samples' if own else 'correlations'}")
+        return self
+
+    @model_validator(mode="before")
     @classmethod
-    def named(cls, value: list[Law]) -> list[Law]:
-        found = [law if law.name else law.model_copy(update={"name": law_name(law.law)}) for law in value]
-        called = [law.name for law in found]
-        for name in called:
-            if called.count(name) > 1:
-                raise ValueError(f"two controllers are called {name}: give each a name of its own")
-        return found
+    def runs_of_levels(cls, given: Any) -> Any:
+        """Runs that the levels make at most, where the file says none."""
+        if not isinstance(given, dict) or given.get("rare") is None or "runs" in given:
+            return given
+        try:
+            return {**given, "runs": Rare.model_validate(given["rare"]).most_runs}
+        except ValueError:  # what is wrong with it is said at its own place
+            return {**given, "runs": 1}
+
+
+def with_distribution(one: Any) -> Any:
+    """A dispersion of a grid with its distribution: `values` are a choice, `points` lie evenly."""
+    if not isinstance(one, dict) or "distribution" in one:
+        return one
+    return {"distribution": "choice" if "values" in one else "uniform", **one}

@@ -30,6 +30,14 @@ class Course:
         """The largest magnitude."""
         return float(np.abs(self.values).max())
 
+    def final(self) -> float:
+        """The last value."""
+        return float(self.values[-1])
+
+    def integral(self) -> float:
+        """The integral over time (trapezoidal rule), in the signal's unit times s; of a single row, 0."""
+        return float(np.diff(self.time) @ (self.values[1:] + self.values[:-1]) / 2)
+
     def mean(self) -> float:
         """The average over time (trapezoidal rule); of a single row, its value."""
         return average(self.time, self.values)

@@ -9,12 +9,11 @@ import time
 import psutil
 import pyarrow.parquet as pq
 import pytest
-from campaigns import fly_here, tables, written
+from campaigns import fly_here, load, tables, written
 from places import AHV
 
 from cosim.campaign import store as stores
 from cosim.campaign import worker
-from cosim.campaign.plan import load
 from cosim.campaign.receipt import Receipt
 from cosim.campaign.resume import prepare
 from cosim.campaign.store import Store
@@ -28,7 +27,7 @@ SOON_S = 10.0  # about 1 s on an idle machine
 def whole(tmp_path_factory):
     """(campaign file, its tables)."""
     folder = tmp_path_factory.mktemp("whole")
-    file = written(folder, runs=40, stop=40, runs_per_task=1)
+    file = written(folder, runs=32, stop=40, runs_per_task=1)
     store = Store(folder / "out", load(file))
     store.folder.mkdir()
     prepare(store, False, "")

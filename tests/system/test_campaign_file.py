@@ -1,9 +1,10 @@
 """A campaign file that is wrong: one sentence with line and field, before anything runs."""
 import pytest
 import yaml
+from campaigns import load
 from places import ROOT
 
-from cosim.campaign.plan import load
+from cosim.campaign.store import Store
 from cosim.errors import UsageError
 
 GOOD = """\
@@ -161,7 +162,7 @@ def test_files_are_named_from_the_campaign_file_wherever_it_is_read_from(tmp_pat
     text = GOOD.replace("scenario: case1\nstop: 1", "scenario: own.yaml\nplant: fmus/AhvPlant.fmu\n"
                         "controllers: [mine=fmus/AhvController.fmu]")
     found = plan(text, there)
-    assert found.stop == 2 and found.scenario.name == "own" and found.scenario_word == str(there / "own.yaml")
+    assert found.stop == 2 and found.subject.name == "own" and found.subject.word == str(there / "own.yaml")
     assert {path.parent for stored, path in found.fmus.items() if "Scenario" not in stored} == {there / "fmus"}
     row = {"run": 7, "controller": "mine", "plant.mass": 300.0, "scenario.scale_lift_sine": 0.1,
            "scenario.scale_lift_sine_phase": 1.0}
@@ -170,32 +171,40 @@ def test_files_are_named_from_the_campaign_file_wherever_it_is_read_from(tmp_pat
     assert words[words.index("--out") + 1] == f"results/run/{found.campaign.name}-mine-7"
     assert words[words.index("--plant") + 1] == str(there / "fmus" / "AhvPlant.fmu")
     assert words[words.index("--controller") + 1] == f"mine={there / 'fmus' / 'AhvController.fmu'}"
-    assert "scenario.scale_lift_sine=0.1" in words and plan(GOOD, there).scenario_word == "case1"
+    assert "scenario.scale_lift_sine=0.1" in words and plan(GOOD, there).subject.word == "case1"
 
 
 def test_what_is_said_of_a_law_wins_over_what_is_said_of_all(tmp_path):
     found = plan(GOOD.replace("seed: 3", "seed: 3\nset: {plant.chord: 16, controller.elevator_max: 0.3}\n"
                               "presets: {controller: robust}\ncontrollers:\n- neural\n"
                               "- {law: neural, name: other, preset: calibrated, set: {plant.chord: 18}}"), tmp_path)
-    chord = {law: float(c.values["chord"]) for law, loop in found.loops.items() for c in loop.system.components
+    chord = {law: float(c.values["chord"]) for law, loop in found.subject.loops.items() for c in loop.system.components
              if c.name == "plant"}
     assert chord == {"neural": 16, "other": 18}
-    assert {law: loop.presets["controller"] for law, loop in found.loops.items()} == {
+    assert {law: loop.presets["controller"] for law, loop in found.subject.loops.items()} == {
         "neural": "robust", "other": "calibrated"}
 
 
 def test_the_tasks_hold_all_runs_once_and_the_file_s_stop_wins(tmp_path):
     found = plan(GOOD.replace("runs: 8", "runs: 41\nruns_per_task: 20"), tmp_path)
-    assert list(found.batches()) == [(0, 20), (20, 40), (40, 41)] and found.stop == 1 and found.job.ticks == 100
+    assert list(Store(tmp_path, found).missing()) == [(0, 20), (20, 40), (40, 41)]
+    assert found.stop == 1 and found.job.ticks == 100
     assert plan(GOOD.replace("runs: 8", "runs: 41"), tmp_path).runs_per_task == 3           # a 16th, rounded up
     assert plan(GOOD.replace("runs: 8", "runs: 99999"), tmp_path).runs_per_task == 200
     assert plan(GOOD.replace("runs: 8", "runs: 99999\nflavour: python"), tmp_path).runs_per_task == 40
 
 
+@pytest.mark.parametrize("sampling,grows", [("random", True), ("sobol", True), ("latin-hypercube", False)])
+def test_the_number_of_runs_is_in_the_key_where_the_draws_depend_on_it(sampling, grows, tmp_path):
+    few, more = (plan(GOOD.replace("runs: 8", f"runs: {runs}\nsampling: {sampling}"), tmp_path) for runs in (8, 800))
+    assert (few.job.key == more.job.key) is grows and few.described != more.described
+    assert few.runs_per_task != more.runs_per_task
+
+
 def test_what_determines_the_rows_is_in_the_fingerprint(tmp_path):
     one = plan(GOOD, tmp_path)
-    for before, after in (("seed: 3", "seed: 4"), ("runs: 8", "runs: 9"), ("std: 10", "std: 11"), ("< 20", "< 21"),
-                          ("stop: 1", "stop: 2")):
+    for before, after in (("seed: 3", "seed: 4"), ("std: 10", "std: 11"), ("< 20", "< 21"), ("stop: 1", "stop: 2"),
+                          ("seed: 3", "seed: 3\nstop_when: {half_width: 0.1}")):
         assert plan(GOOD.replace(before, after), tmp_path).job.key != one.job.key
     other = plan(GOOD.replace("name: small", "name: other\nworst_by: protected_s"), tmp_path)
     assert other.job.key == one.job.key

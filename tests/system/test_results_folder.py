@@ -55,7 +55,7 @@ def fly_simulate(out: Path | None = None):
 
 
 def fly_campaign(out: Path | None = None):
-    from cosim.campaign.campaign import campaign
+    from campaigns import campaign
 
     campaign(Path("hold.yaml"), out, resume=Path("results/campaign/hold").exists(), workers=1)
 
@@ -491,8 +491,9 @@ def test_bad_names_are_refused_everywhere(tmp_path, name):
         Scenario(name=name, stop=1)
     (tmp_path / "x.yaml").write_text(json.dumps({"name": name, "scenario": "hold", "runs": 1, "seed": 1,
                                                  "dispersions": {}, "success": {"a": "1 < 2"}}))
-    from cosim.campaign.plan import load
-    from cosim.campaign.spec import Law
+    from campaigns import load
+
+    from cosim.vehicle.campaigns import Law
 
     with pytest.raises(UsageError, match=rf"x.yaml, line 1: name: the {sentence}"):
         load(tmp_path / "x.yaml")

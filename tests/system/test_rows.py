@@ -8,9 +8,9 @@ from evidence import system
 
 from cosim.campaign.worker import errors_over_time
 from cosim.master.fly import fly
-from cosim.vehicle.metrics import measured
+from cosim.vehicle.metrics import OVER_TIME, measured
 from cosim.vehicle.run import run
-from cosim.vehicle.signals import reference
+from cosim.vehicle.signals import course, reference
 
 STOP = 20.0
 
@@ -42,8 +42,12 @@ def test_variable_steps_report_what_fixed_steps_do(even, uneven):
         assert found[name] == pytest.approx(expected[name], rel=0.02), name
 
 
+def courses(flight):
+    return {name: course(flight, expression) for name, (_, expression) in OVER_TIME.items()}
+
+
 def test_errors_over_time_of_variable_steps_are_those_of_fixed_steps_and_reach_the_end(even, uneven):
-    expected, found = errors_over_time(even, 0.001, 20_000), errors_over_time(uneven, 0.01, 2000)
+    expected, found = errors_over_time(courses(even), 0.001, 20_000), errors_over_time(courses(uneven), 0.01, 2000)
     assert np.array_equal(expected["time"], even.time[::200]) and np.array_equal(found["time"], expected["time"])
     assert np.array_equal(expected["altitude_error_ft"],
                           (even["plant.h"] - even["controller.h_reference"])[::200].astype(np.float32))

@@ -7,8 +7,8 @@ from types import SimpleNamespace
 import pytest
 
 from cosim.campaign import worker
+from cosim.campaign.distributions import Uniform
 from cosim.campaign.sampling import Draw, Sampler, keeps_signals
-from cosim.campaign.spec import Uniform
 from cosim.campaign.worker import LoadedSystems, Outcome, Request, keep, requests
 from cosim.errors import RunError, UsageError
 
@@ -21,8 +21,8 @@ def job(**changes):
     draws = {law: (Draw("plant.x", ("plant.x", "plant.y"), UNIT, factor), Draw("plant.z", ("plant.z",), UNIT))
              for law, factor in (("one", None), ("two", 10.0))}
     return SimpleNamespace(**{"sampler": sampler, "keep_share": 0.3, "systems": {"one": None, "two": None},
-                              "draws": draws, "algorithm": "jacobi", "step": 0.1, "ticks": 5, "timeout_s": 60.0,
-                              **changes})
+                              "draws": draws, "algorithm": "jacobi", "step": 0.1, "ticks": 5, "start": 2.0,
+                              "timeout_s": 60.0, **changes})
 
 
 def test_all_laws_fly_the_same_draws_each_with_its_own_nominal_values():
@@ -91,7 +91,7 @@ def ended(monkeypatch, flown, **changes):
     """(the outcome of a run, which systems were unloaded)."""
     systems = Systems(flown, **changes)
     monkeypatch.setattr(worker, "fly_loaded",
-                        lambda master, method, step, ticks, progress, recorder: flown(master, progress))
+                        lambda master, method, step, ticks, progress, recorder, start: flown(master, progress))
     return systems.fly(ONE), systems.dropped
 
 

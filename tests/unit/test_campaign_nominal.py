@@ -1,9 +1,12 @@
 """The nominal flight of each law, which shows success expressions that have no value."""
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
 from distributed import KilledWorker
+from flights import made
 
+from cosim.campaign.criteria import judged
 from cosim.campaign.nominal import check
 from cosim.campaign.worker import Outcome, Request
 from cosim.errors import RunError, UsageError
@@ -29,6 +32,15 @@ def flown(status="finished", metrics=SHOWN, message=""):
     return Outcome(Request(-1, "", {}, {}, False, False), status, message, metrics=metrics)
 
 
+def valued(text, outcome):
+    """`outcome` with what the worker says of the criterion `text`."""
+    if isinstance(outcome, Exception):
+        return outcome
+    flight = made([0.0, 1.0], {"plant.x": 0.0})
+    _, success, reasons = judged(lambda flight: outcome.metrics, {}, {"good": text}, flight)
+    return replace(outcome, success=success, reasons=reasons)
+
+
 def tried(tmp_path, text, **outcomes):
     """`check` of a campaign with the success expression `text`, whose laws end like `outcomes`."""
     path = tmp_path / "file.yaml"
@@ -36,7 +48,7 @@ def tried(tmp_path, text, **outcomes):
     source = Source(path)
     plan = SimpleNamespace(source=source, laws=list(outcomes), job=SimpleNamespace(key="key"),
                            campaign=SimpleNamespace(success=source.data["success"]))
-    client = SimpleNamespace(submit=lambda function, key, law, pure: Future(outcomes[law]))
+    client = SimpleNamespace(submit=lambda function, key, law, pure: Future(valued(text, outcomes[law])))
     return check(client, plan)
 
 

@@ -5,7 +5,6 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
-from cosim.campaign.criteria import METRICS
 from cosim.campaign.sampling import Sampler
 from cosim.campaign.statistics import (
     MOST_PHASES,
@@ -16,8 +15,13 @@ from cosim.campaign.statistics import (
     rank_correlation,
     with_differences,
 )
+from cosim.vehicle.metrics import METRICS
 
 RUNS, REPETITIONS, DRAWS = 200, 1000, 5
+
+
+def of(law, table):
+    return Results.of(law, table, "controller")
 
 
 # --- intervals ----------------------------------------------------------------------------------------------------
@@ -143,7 +147,7 @@ MET = [True, True, True, True, False, True, True, True]
 
 def test_failures_of_the_machinery_are_counted_apart_from_the_law_s():
     table = pa.concat_tables([rows("a", STATUSES, MET), rows("b", ["finished"] * 8)])
-    found = Results.of("a", table).summary(["plant.mass"], "altitude_error_ft.max_abs")
+    found = of("a", table).summary(["plant.mass"], "altitude_error_ft.max_abs", METRICS, "law")
     assert (found["runs"], found["judged"], found["successes"]) == (8, 4, 2)
     assert found["failures"] == {"law": 2, "machinery": 4}
     assert found["probability"] == 0.5 and found["interval_95"] == list(interval(2, 4))
@@ -152,13 +156,13 @@ def test_failures_of_the_machinery_are_counted_apart_from_the_law_s():
     assert found["metrics"]["elevator_deg.travel"] == {"median": 3.0, "p95": pytest.approx(6.55), "max": 7.0}
     # of runs 0, 2, 4, 7 the failures are 2 and 4; the machinery's do not drive anything
     assert found["drivers"]["plant.mass"]["failure"] == pytest.approx(0.0)
-    other = Results.of("b", table).summary([], "protected_s")
+    other = of("b", table).summary([], "protected_s", METRICS, "law")
     assert (other["runs"], other["judged"], other["failures"]["machinery"], other["probability"]) == (8, 8, 0, 1.0)
 
 
 def test_a_law_that_was_never_judged_has_no_probability():
-    r = Results.of("a", rows("a", ["error", "crashed", "timed-out"]))
-    found = r.summary(["plant.mass"], "protected_s")
+    r = of("a", rows("a", ["error", "crashed", "timed-out"]))
+    found = r.summary(["plant.mass"], "protected_s", METRICS, "law")
     assert found["probability"] is None and found["interval_95"] == [0.0, 1.0] and found["metrics"] == {}
     assert found["failures"] == {"law": 0, "machinery": 3} and r.worst("protected_s") == []
     assert [row["status"] for row in r.others.to_pylist()] == ["error", "crashed", "timed-out"]
@@ -166,24 +170,25 @@ def test_a_law_that_was_never_judged_has_no_probability():
 
 def test_the_worst_are_the_earliest_departures_then_by_metric():
     statuses = ["finished", "departed", "timed-out", "finished", "departed", "finished"]
-    r = Results.of("a", rows("a", statuses, **{"protected_s": [5, 1, 9, 7, 2, np.nan]}))
+    r = of("a", rows("a", statuses, **{"protected_s": [5, 1, 9, 7, 2, np.nan]}))
     assert [row["run"] for row in r.worst("protected_s")] == [1, 4, 3, 0, 5]
     assert [row["run"] for row in r.worst("protected_s", 2)] == [1, 4]
 
 
 def test_drivers_come_with_the_strongest_first():
     met = [False, False, False, True, True, True]
-    r = Results.of("a", rows("a", ["finished"] * 6, met, **{"fuel_ratio.max": [3, 1, 2, 6, 5, 4],
-                                                            "fuel_ratio.min": [2, 1, 1, 2, 1, 2],
-                                                            "protected_s": [1, 2, 3, 4, 5, 6]}))
+    r = of("a", rows("a", ["finished"] * 6, met, **{"fuel_ratio.max": [3, 1, 2, 6, 5, 4],
+                                                 "fuel_ratio.min": [2, 1, 1, 2, 1, 2],
+                                                 "protected_s": [1, 2, 3, 4, 5, 6]}))
     found = r.drivers(["fuel_ratio.min", "fuel_ratio.max", "no.column", "plant.mass"], "protected_s")
     assert list(found) == ["plant.mass", "fuel_ratio.max", "fuel_ratio.min"]
-    assert found["plant.mass"] == {"failure": pytest.approx(-9 / 105**0.5), "protected_s": pytest.approx(1.0)}
+    assert found["plant.mass"] == {"failure": pytest.approx(-9 / 105**0.5), "protected_s": pytest.approx(1.0),
+                                   "failure_explained": 0.0}  # too few runs to say
 
 
 def test_pairs_are_of_the_same_draws_where_both_laws_were_judged():
-    a = Results.of("a", rows("a", ["error", "finished", "finished", "departed", "departed", "finished", "finished"]))
-    b = Results.of("b", rows("b", ["finished", "departed", "crashed", "finished", "departed", "departed", "finished"]))
+    a = of("a", rows("a", ["error", "finished", "finished", "departed", "departed", "finished", "finished"]))
+    b = of("b", rows("b", ["finished", "departed", "crashed", "finished", "departed", "departed", "finished"]))
     assert paired(a, b) == {"both": 1, "only a": 2, "only b": 1, "neither": 1, "not judged": 2}
     assert paired(b, a) == {"both": 1, "only b": 1, "only a": 2, "neither": 1, "not judged": 2}
 

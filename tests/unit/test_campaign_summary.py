@@ -1,4 +1,6 @@
 """What the terminal and the report say of each law: shares of the judged runs, failures of the machinery apart."""
+from types import SimpleNamespace
+
 from cosim.campaign.report import side_by_side
 from cosim.cli.campaign import table
 
@@ -24,7 +26,8 @@ def test_the_terminal_says_over_what_and_what_was_not_judged():
 
 
 def test_the_report_says_whose_failures_there_are():
-    text = side_by_side(SUMMARY)
+    subject = SimpleNamespace(column="controller", noun="law")
+    text = side_by_side(SimpleNamespace(subject=subject, headlines=[]), SUMMARY)
     for row in (("successes", "330 of 990 judged", "0 of 0 judged", "330 of 1,000 judged"),
                 ("probability of success", "33.33 %", "unknown", "33.33 %"),
                 ("failures of the law", "660", "0", "670"), ("failures of the machinery", "10", "1,000", "0"),

@@ -4,11 +4,12 @@ import pytest
 from flights import made
 from scipy.linalg import expm
 
-from cosim.campaign.criteria import metrics_of
 from cosim.campaign.worker import ENVELOPE_POINTS, errors_over_time
+from cosim.master.evaluate import TRUTH
+from cosim.master.measures import check, parse
 from cosim.vehicle.compare import BETTER, figures_of, verdict
-from cosim.vehicle.metrics import HEADLINES, METRICS, measured, metrics, needed
-from cosim.vehicle.signals import reference
+from cosim.vehicle.metrics import HEADLINES, METRICS, OVER_TIME, measured, metrics, needed
+from cosim.vehicle.signals import course, reference
 
 TIME = np.array([0, 1, 2, 5, 10.0])
 DEG = np.pi / 180
@@ -103,7 +104,8 @@ def test_a_campaign_records_what_the_metrics_need(shown, expected):
 
 @pytest.mark.parametrize("name", METRICS)
 def test_every_metric_can_be_a_criterion(name):
-    assert metrics_of(f"{name} < 3") == [name]
+    expression = parse(f"{name} < 3")
+    assert expression.names == (name,) and check(expression, (), METRICS) == TRUTH
 
 
 def compared(**costs):
@@ -140,9 +142,12 @@ def test_errors_over_time_are_at_fixed_times_wherever_the_rows_lie():
     """An error that grows by 0.5 ft a second; 400 rows, most of them in the first seconds."""
     time = 20 * np.linspace(0, 1, 400)**3
     flight = made(time, {**dict.fromkeys(FLOWN, 0.0), "plant.h": 0.5 * time})
-    found = errors_over_time(flight, 0.01, 2000)
+    courses = {name: course(flight, expression) for name, (_, expression) in OVER_TIME.items()}
+    found = errors_over_time(courses, 0.01, 2000)
     assert found["time"] == pytest.approx(np.linspace(0, 20, ENVELOPE_POINTS + 1))
     assert found["altitude_error_ft"] == pytest.approx(0.5 * found["time"], abs=1e-6)
-    short = errors_over_time(flight, 0.01, 10_000)
+    short = errors_over_time(courses, 0.01, 10_000)
     assert short["time"] == pytest.approx(np.arange(21.0)) and len(short["velocity_error_fps"]) == 21
-    assert errors_over_time(flight, 10.0, 3)["time"].tolist() == [0, 10, 20]
+    assert errors_over_time(courses, 10.0, 3)["time"].tolist() == [0, 10, 20]
+    later = errors_over_time({"h": flight.course("plant.h")}, 5.0, 100, 10.0)
+    assert later["time"].tolist() == [10, 15, 20] and later["h"] == pytest.approx([5, 7.5, 10])
