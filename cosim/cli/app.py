@@ -41,8 +41,8 @@ REFUSED = (errno.ENOENT, errno.EACCES, errno.EPERM, errno.ENOTDIR, errno.EISDIR,
            errno.ELOOP, errno.EROFS)
 
 app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False)
-for command in (run, recover, compare, info, trim, linearize, simulate, ssp, container, check, campaign, sweep, fit, tune,
-                build, playground):
+for command in (run, recover, compare, info, trim, linearize, simulate, ssp, container, check, campaign, sweep, fit,
+                tune, build, playground):
     app.command()(getattr(command, command.__name__.rpartition(".")[2]))
 app.command(context_settings={"allow_extra_args": True, "ignore_unknown_options": True})(bench.bench)
 

@@ -42,8 +42,7 @@ def modules() -> dict[str, bytes]:
 
 def page(modules: Mapping[str, bytes]) -> str:
     """The page as a text of HTML, with these modules. Raises UsageError for FMUs that are not built."""
-    data = {**about(), "layout": json.loads(read("layout.json")),
-            "modules": {name: base64.b64encode(content).decode() for name, content in modules.items()}}
+    data = {**about(), "modules": {name: base64.b64encode(content).decode() for name, content in modules.items()}}
     style = "\n".join(map(read, STYLES))
     scripts = {name: "\n".join(map(read, files)) for name, files in SCRIPTS.items()}
     parts = {"policy": policy(style, scripts), "style": style, "data": embedded(data),

@@ -202,7 +202,7 @@ class Charts {
         high = -Infinity;
       const data = this.lines(panel).map(({ line, flight }) => {
         const shown = this.flights[flight],
-          values = shown?.series[JSON.stringify(line.terms)];
+          values = shown?.series[line.signal];
         if (!values) return new Array(times.length).fill(null);
         const points = decimated(values, shown.step, times, panel.factor ?? 1);
         if (!flight)

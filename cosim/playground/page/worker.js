@@ -16,18 +16,19 @@ function flown(about, modules, { law, plant, step, stop, values }) {
     plant: ["V_start", "h_start", "fuel_ratio_trim", "elevator_trim", "trim_residual"],
     controller: limits,
   };
-  return { ...fly({ components, plan, step, stop, inquire }), columns: plan.columns, standsIn: about.stands_in };
+  const flight = fly({ components, plan, step, stop, inquire });
+  return { ...flight, columns: plan.columns, standsIn: about.stands_in, taken: new Map() };
 }
 
-// What the page shows of it: `series` by the text of their terms, metrics, what happened, how long it took (ms).
+// What the page shows of it: `series` by their lines' signals, metrics, what happened, how long it took (ms).
 function answer(about, modules, request) {
   const began = performance.now(),
     flight = flown(about, modules, request),
     took = performance.now() - began;
   const found = metrics(flight, about.metrics);
-  const drawn = about.layout.panels.flatMap(panel => panel.lines.map(line => JSON.stringify(line.terms)));
+  const lines = about.layout.panels.flatMap(panel => panel.lines);
   return {
-    series: Object.fromEntries(drawn.map(terms => [terms, series(flight, JSON.parse(terms))]).filter(([, one]) => one)),
+    series: Object.fromEntries(lines.map(line => [line.signal, worth(flight, line.expression)])),
     metrics: found,
     step: flight.step,
     stop: flight.stop,
@@ -61,10 +62,7 @@ if (typeof document === "undefined") {
     try {
       const { about, modules } = await ready,
         result = answer(about, modules, request);
-      self.postMessage(
-        { id, result },
-        Object.values(result.series).map(one => one.buffer),
-      );
+      self.postMessage({ id, result }, [...new Set(Object.values(result.series).map(one => one.buffer))]);
     } catch (error) {
       self.postMessage({ id, error: error.message });
     }
