@@ -274,6 +274,9 @@ def test_zoom_shows_a_part_of_the_time(browser, file):
     assert re.search(r"from 2[456](\.\d+)? s to 7[456]", said)
     page.get_by_role("button", name="Whole flight").click()
     assert page.locator("#to").input_value() == "100"
+    page.locator("#choice-case").select_option("case2")
+    wait(watched, 2)
+    assert page.locator("#to").input_value() == "300"
 
 
 def test_without_a_worker_the_page_flies_itself(browser, file):

@@ -80,6 +80,7 @@ const pilot = new Pilot(result => {
   shown = result;
   showFlight(about, shown, before === shown ? null : before);
   charts.show(shown, before === shown ? null : before);
+  showWindow();
   document.documentElement.dataset.flights = Number(document.documentElement.dataset.flights ?? 0) + 1;
   speak(`${outcome(shown)}. ${at("why").textContent}`);
 }, complain);
@@ -88,10 +89,12 @@ const charts = new Charts(at("charts"), about.layout.panels, zoom);
 
 function zoom(from = null, to = null) {
   charts.window = from === null ? null : [Math.max(0, from), Math.min(to, state.stop)];
-  const [low, high] = charts.span();
-  at("from").value = Number(low.toFixed(2));
-  at("to").value = Number(high.toFixed(2));
   charts.draw();
+  showWindow();
+}
+
+function showWindow() {
+  [at("from").value, at("to").value] = charts.span().map(time => Number(time.toFixed(2)));
 }
 
 function change(next) {
@@ -103,7 +106,6 @@ function change(next) {
   at("link").value = wrong ? "" : `${location.href.split("#")[0]}#${toFragment(about, state)}`;
   if (wrong) complain(wrong);
   else pilot.fly(request(state));
-  zoom(...(charts.window ?? []));
 }
 
 const controls = new Controls(at("controls"), about, change, complain);
