@@ -159,7 +159,10 @@ def read(source: Source, *subjects: type[Subject]) -> tuple[Campaign, type[Subje
             source.fail((), f"{' or '.join(kind.field for kind in kinds)} is missing")
     bases: tuple[Any, ...] = (Campaign, subject.fields)
     model: type[Campaign] = create_model("CampaignFile", __base__=bases)
-    return source.load(model), subject
+    campaign = source.load(model)
+    for name, why in campaign.out_of_place():
+        source.fail((name,), why)
+    return campaign, subject
 
 
 def make(campaign: Campaign, source: Source, kind: type[Subject]) -> Plan:

@@ -21,7 +21,7 @@ from .certainty import CONFIDENCE, Certainty, certainty
 from .data import Known, Measured, noise_levels, owner, read_flight
 from .flown import Plan, Plans, flying, with_values
 from .parameters import Parameter, check_apart, parameter
-from .search import Found, Problem, Rows, search, starts
+from .search import Fly, Found, Problem, Rows, search, starts
 
 ALGORITHM = "gauss-seidel"
 Tell = Callable[[str], None]
@@ -174,16 +174,21 @@ def fit(subject: Subject, data: Sequence[str], parameters: Sequence[str], signal
     request = asked(subject, data, parameters, signals, values, start, step, algorithm, tolerance, time_limit)
     for remark in request.remarks:
         tell(remark)
-    rows, first = request.rows, np.array([p.start for p in request.parameters])
     with flying(request.plans, workers) as fly:
-        problem = Problem(request.parameters, rows, request.levels, fly, tell)
-        before = problem.shown([first])[0]
-        if np.isnan(before).all():
-            raise RunError(problem.lost[0])
-        found = [search(problem, point) for point in starts(request.parameters, begin_at, seed)]
-        best = min(found, key=lambda one: one.cost)
-        ended = [one.message for one in problem.flights([best.point])[0]]
-        after = problem.shown([best.point])[0]
+        return solved(request, fly, begin_at, seed, tell)
+
+
+def solved(request: Asked, fly: Fly, begin_at: int = 1, seed: int = 1, tell: Tell = lambda line: None) -> Fit:
+    """The fit of a checked request, whose flights `fly` flies; see `fit`. Raises RunError if none begins."""
+    rows, first = request.rows, np.array([p.start for p in request.parameters])
+    problem = Problem(request.parameters, rows, request.levels, fly, tell)
+    before = problem.shown([first])[0]
+    if np.isnan(before).all():
+        raise RunError(problem.lost[0])
+    found = [search(problem, point) for point in starts(request.parameters, begin_at, seed)]
+    best = min(found, key=lambda one: one.cost)
+    ended = [one.message for one in problem.flights([best.point])[0]]
+    after = problem.shown([best.point])[0]
     sure = certainty(request.parameters, best, rows, list(request.signals), list(np.isfinite(request.levels)))
     summary = told(request, rows, before, after, found, best, sure, problem)
     low, high = best.point - sure.half_widths, best.point + sure.half_widths

@@ -1,9 +1,10 @@
-"""What docs/ecosystems.md says, done; that of gemseo in the environment that `make peers` makes."""
+"""What docs/ecosystems.md says, done; of gemseo and fmugym in the environments that `make peers` makes."""
 import os
 import re
 import subprocess
 import sys
 
+import environments
 import importers
 import pytest
 
@@ -35,3 +36,15 @@ def test_gemseo_finds_a_better_gain(tmp_path, native_fmus):
     said = run(tmp_path, native_fmus, GEMSEO, "example.py")
     gain, error = map(float, re.search(r"^\[([\d.]+)\] ([\d.]+)$", said, re.MULTILINE).groups())
     assert gain > 0.5 and error < 2.315
+
+
+@pytest.mark.peers
+@pytest.mark.skipif(not environments.FMUGYM.exists(), reason="`make peers` makes the environment")
+def test_a_step_costs_less_than_half_of_fmugyms_and_a_reset_a_tenth(tmp_path, native_fmus):
+    said = run(tmp_path, native_fmus, sys.executable, environments.__file__, "--rounds", 3)
+    costs = re.findall(r"^\| (the \w+) \|.*\| (\w+) \| ([\d.]+) \| ([\d.]+) \|$", said, re.MULTILINE)
+    print(said)
+    assert len(costs) == 4
+    for (what, name, step, reset), (same, other, *theirs) in zip(costs[::2], costs[1::2]):
+        assert (what, name, other) == (same, "ours", "fmugym")
+        assert float(step) < 0.5 * float(theirs[0]) and float(reset) < 0.1 * float(theirs[1])
