@@ -63,6 +63,16 @@ def test_the_report_holds_everything_inside(whole):
     assert "<script" not in text
 
 
+def test_each_listed_run_opens_with_its_command_and_its_curves(whole):
+    listed = re.findall(r"<pre>(ahv run .*?)</pre><details><summary>curves</summary>(.*?)</details>",
+                        (whole[1] / "report.html").read_text())
+    assert len(listed) == 20
+    kept = {f"{r['controller']}-{r['run']}" for r in pq.read_table(whole[1] / "signals.parquet").to_pylist()}
+    for command, curves in listed:
+        assert curves.count("<polyline") >= 2 and "altitude error (ft)<br>" in curves
+        assert ("plant.h (ft), altitude<br>" in curves) == (command.partition("small-")[2] in kept)
+
+
 def test_a_worst_run_s_command_flies_that_very_run(whole, tmp_path):
     _, out, _ = whole
     commands = re.findall(r"<pre>(.*?)</pre>", (out / "report.html").read_text())
