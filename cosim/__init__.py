@@ -20,7 +20,11 @@ from .errors import UsageError as UsageError
 
 if TYPE_CHECKING:
     from .conformance.report import Report as Report
+    from .ecosystems.environment import Environment as Environment
+    from .ecosystems.function import Function as Function
+    from .fitting.fit import Fit as Fit
     from .library import check as check
+    from .library import fit as fit
     from .library import fly as fly
     from .master.flight import Flight as Flight
     from .master.fmu import preset as preset
@@ -38,7 +42,8 @@ WHERE = {
     "Flight": "master.flight", "Series": "master.series", "fly": "library",
     "LoadedSsp": "ssp.load", "load_ssp": "ssp.load",
     "FmuInfo": "master.info", "info": "master.info", "preset": "master.fmu",
-    "Report": "conformance.report", "check": "library",
+    "Report": "conformance.report", "check": "library", "Fit": "fitting.fit", "fit": "library",
+    "Environment": "ecosystems.environment", "Function": "ecosystems.function",
 }
 
 

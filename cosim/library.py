@@ -1,18 +1,20 @@
-"""What `import cosim` offers beside the data: fly a system, check an FMU."""
-import re
-from collections.abc import Sequence
+"""What `import cosim` offers beside the data: fly a system, fit its parameters, check an FMU."""
+from collections.abc import Mapping, Sequence
 from contextlib import nullcontext
 from math import isfinite
 from numbers import Real
 from os import PathLike
 from os.path import isfile
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .errors import UsageError
-from .master.system import System, as_path
+from .master.system import System, Value, as_path
+from .text import in_python
 
 if TYPE_CHECKING:
     from .conformance.report import Report
+    from .fitting.fit import Fit
     from .master.flight import Flight
     from .master.progress import Progress
 
@@ -88,6 +90,55 @@ def fly(system: System, step: float | None = None, stop: float | None = None, *,
         raise type(error)(in_python(str(error))) from None
 
 
+def fit(system: System, data: "Sequence[str | PathLike[str]] | Mapping[str | PathLike[str], Mapping[str, Value]]",
+        parameters: Sequence[str], *, signals: "Sequence[str] | Mapping[str, float]" = (), step: float | None = None,
+        start: float | None = None, algorithm: str = "gauss-seidel", tolerance: float | None = None, starts: int = 1,
+        seed: int = 1, workers: int = 0, time_limit: float | None = None, progress: bool = True) -> "Fit":
+    """Find parameters with which `system` shows what was measured; docs/fitting.md says how.
+
+    data        CSV or Parquet files, a flight each: a column `time` (s), and columns called component.variable; those
+                that are inputs drive the system, the others are compared. A dict gives each file's own start values,
+                {"low.csv": {"plant.h_start": 80000.0}}
+    parameters  "plant.mass", or "plant.mass=300", "plant.mass=280:400", "plant.mass=300:280:400" with a start and
+                bounds; "low.csv:plant.theta_start" for one flight only
+    signals     the signals to compare, or a dict with their noise levels; without it all columns that are signals
+    step, start, algorithm, tolerance  as for `fly`; each flight ends with its table
+    starts      how many points the search begins at; `seed` is that of their draw
+    workers     processes that fly; 0: this process, which an FMU that crashes ends
+    time_limit  longest wall time (s) of a flight; one that takes longer counts as lost; needs workers
+    progress    whether lines about the search go to stderr
+
+    Returns a Fit: `values` and `intervals_95` by parameter, the `systems` to fly with these values, a flight each, and
+    `summary`, which has what makes the intervals untrustworthy under "warnings".
+
+    Raises UsageError, one sentence, for what does not fit, RunError if no flight begins with the start values.
+    """
+    demand(isinstance(system, System), "system", system, "a cosim.System")
+    demand(not isinstance(data, str | PathLike), "data", data, "a list of files, or a dict of them")
+    demand(is_texts(parameters), "parameters", parameters, "a list of texts such as ['plant.mass']")
+    demand(not isinstance(signals, str), "signals", signals, "a list of texts, or a dict with noise levels")
+    demand(isinstance(workers, int) and workers >= 0, "workers", workers, "0, 1, 2 ...")
+    demand(time_limit is None or workers > 0, "time_limit", time_limit, "left out without workers")
+    step = given("step", step, system.step)
+    from .fitting.fit import Subject
+    from .fitting.fit import fit as search
+    from .master.notes import note
+    from .systems.load import Loaded
+    from .systems.words import assigned
+
+    found = Loaded(Path("the system"), "system", system, {})
+    own = [f"{file}:{name}={value}" for file, values in data.items()
+           for name, value in values.items()] if isinstance(data, Mapping) else []
+    words = [f"{name}:{level!r}" for name, level in signals.items()] if isinstance(signals, Mapping) else signals
+    try:
+        return search(Subject(found, lambda values: assigned(values, found)), [str(as_path(file)) for file in data],
+                      parameters, words, own, start=start, step=step, algorithm=algorithm, tolerance=tolerance,
+                      begin_at=starts, seed=seed, workers=workers, time_limit=time_limit,
+                      tell=note if progress else lambda line: None)
+    except UsageError as error:
+        raise type(error)(in_python(str(error))) from None
+
+
 def check(path: str | PathLike[str], dynamic: bool = True, time_limit: float = 30.0, cycles: int = 1000) -> "Report":
     """Check one FMU against FMI 2.0 or 3.0, its file and what it does when it runs: a Report with `.passed` and
     `.findings`.
@@ -137,8 +188,3 @@ def demand(holds: bool, name: str, value: object, wanted: str) -> None:
     """Raises UsageError, one sentence about an argument, unless it `holds`."""
     if not holds:
         raise UsageError(f"{name} = {value!r} is not allowed: it must be {wanted}.")
-
-
-def in_python(sentence: str) -> str:
-    """The master's sentences name the options of the command line: `--time-limit` is `time_limit` here."""
-    return re.sub(r"--([a-z][a-z-]*)", lambda option: option[1].replace("-", "_"), sentence)

@@ -53,3 +53,8 @@ def html_table(headings: Sequence[str], rows: Iterable[Sequence[object]]) -> str
 def html_text(value: object) -> str:
     """A value for people to read, escaped for HTML."""
     return escape(shown(value))
+
+
+def in_python(sentence: str) -> str:
+    """The master's sentences name the options of the command line: `--time-limit` is `time_limit` here."""
+    return re.sub(r"--([a-z][a-z-]*)", lambda option: option[1].replace("-", "_"), sentence)

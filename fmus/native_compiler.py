@@ -5,6 +5,7 @@ import struct
 import subprocess
 import sys
 import tempfile
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -100,14 +101,24 @@ def library(name: str, target: str, sources: dict[str, bytes]) -> bytes:
     """
     recipe = Path(__file__).read_bytes() + b"".join(path.read_bytes() for path in sorted(WINDOWS.iterdir()))
     key = repr((compiler_version(), name, target, recipe, digest(sources)))
+
+    def made(folder: Path) -> bytes:
+        for path, content in sources.items():
+            Path(folder, path).write_bytes(content)
+        make(name, target, folder)
+        return Path(folder, name).read_bytes()
+    return cached(key, made)
+
+
+def cached(key: str, make: Callable[[Path], bytes]) -> bytes:
+    """What `make` gives in an empty folder; from the cache if it was made before with the same `key`, which has to say
+    all that it depends on. Raises what `make` raises."""
     kept = CACHE / hashlib.sha256(key.encode()).hexdigest()
     if not kept.exists():
         CACHE.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory() as folder:
-            for path, content in sources.items():
-                Path(folder, path).write_bytes(content)
-            make(name, target, Path(folder))
-            partial = kept.with_name(f"{kept.name}.{os.getpid()}")
-            partial.write_bytes(Path(folder, name).read_bytes())
-            partial.replace(kept)
+            content = make(Path(folder))
+        partial = kept.with_name(f"{kept.name}.{os.getpid()}")
+        partial.write_bytes(content)
+        partial.replace(kept)
     return kept.read_bytes()

@@ -5,7 +5,8 @@ import zipfile
 from pathlib import Path
 
 from . import pack
-from .native_compiler import COMPILE, zig
+from .native_compiler import COMPILE, cached, compiler_version, zig
+from .pack import digest
 from .wit import WORLD, interfaces
 
 WRAPPER = Path(__file__).parent / "wrapper" / "wasm"
@@ -43,8 +44,11 @@ def module(fmu: Path) -> bytes:
 
     Raises RuntimeError where the compiler is missing or fails.
     """
-    with tempfile.TemporaryDirectory() as folder:
-        return compiled(contents(fmu), "module.c", Path(folder), *MODULE).read_bytes()
+    files = {name: content for name, content in contents(fmu).items() if name.startswith("sources/")}
+    wrapper = {file.name: file.read_bytes() for file in WRAPPER.iterdir()}
+    flags = [*TARGET, *COMPILE, *STACK, *MODULE]
+    return cached(repr((compiler_version(), flags, digest(files), digest(wrapper))),
+                  lambda folder: compiled(files, "module.c", folder, *MODULE).read_bytes())
 
 
 def wasm_tools(folder: Path, *arguments: str) -> None:

@@ -48,8 +48,7 @@ def fly_here(store: Store, folder) -> None:
         keep(folder, stored, path.read_bytes())
     LOADED[:] = [LoadedSystems(plan.job, folder)]
     try:
-        for first, last in plan.batches():
-            if first not in store.done:
-                store.add(first, fly_batch(plan.job.key, first, last))
+        for first, last in store.missing():
+            store.add(first, fly_batch(plan.job.key, first, last))
     finally:
         LOADED.pop().close()

@@ -35,10 +35,18 @@ def campaign(path: Path, out: Path | None = None, scheduler: str | None = None, 
     if tls and not (scheduler or "").startswith("tls://"):
         raise UsageError(f"--tls-ca, --tls-cert and --tls-key are for a --scheduler tls://..., not {scheduler}.")
     plan = load(path, *subjects)
+    return carried_out(plan, path.read_text(), out, scheduler, resume, workers, tls, dashboard, began)
+
+
+def carried_out(plan: Plan, text: str, out: Path | None, scheduler: str | None = None, resume: bool = False,
+                workers: int | None = None, tls: tuple[Path, Path, Path] | None = None, dashboard: bool = False,
+                began: float | None = None) -> dict[str, Any]:
+    """As `campaign`, of a plan whose file has the content `text`; `began` is when (time.perf_counter, s)."""
+    began = time.perf_counter() if began is None else began
     with claimed(out, "campaign", plan.campaign.name) as folder:
         store = Store(folder, plan)
         try:
-            for sentence in (*plan.subject.remarks, *prepare(store, resume, path.read_text())):
+            for sentence in (*plan.subject.remarks, *prepare(store, resume, text)):
                 note(sentence)
             flown, flying_s = (0, 0.0) if store.complete else fly(plan, store, scheduler, workers, tls, dashboard)
             summary = reported(store)
@@ -52,7 +60,10 @@ def campaign(path: Path, out: Path | None = None, scheduler: str | None = None, 
 def reported(store: Store) -> dict[str, Any]:
     """The report's numbers, once it is written. Raises RunError if that fails, for whatever reason."""
     try:
-        from .report import write  # imports matplotlib, which is slow
+        if store.plan.campaign.rare:
+            from .rare_report import write
+        else:
+            from .report import write  # imports matplotlib, which is slow
 
         return write(store)
     except Exception as error:
@@ -69,7 +80,7 @@ def fly(plan: Plan, store: Store, scheduler: str | None, workers: int | None, tl
     total = plan.campaign.runs * len(plan.laws)
     rows, successes = store.counts()
     began = time.perf_counter()
-    if rows < total:
+    if any(store.missing()):
         with connected(scheduler, workers, tls, dashboard) as client:
             send(client, plan)
             for sentence in check(client, plan) if rows == 0 else ():
@@ -78,10 +89,16 @@ def fly(plan: Plan, store: Store, scheduler: str | None, workers: int | None, tl
             Thread(target=import_for_report, daemon=True).start()
             with shown(plan.campaign.name, total, rows, successes,
                        client.dashboard_link if dashboard or (scheduler and on_terminal()) else None) as progress:
-                Engine(client, plan, store, progress).run()
-    flying = time.perf_counter() - began
+                engine = Engine(client, plan, store, progress)
+                if plan.campaign.rare:
+                    from .rare_flights import fly as fly_levels
+
+                    fly_levels(engine, plan, store)
+                else:
+                    engine.run()
+    flying, flown = time.perf_counter() - began, store.counts()[0] - rows
     store.finish()
-    return total - rows, flying
+    return flown, flying
 
 
 def import_for_report() -> None:

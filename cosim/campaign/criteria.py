@@ -6,9 +6,9 @@ from functools import cache
 
 from ..errors import UsageError, did_you_mean
 from ..master.course import Course
-from ..master.evaluate import NUMBER, TRUTH
+from ..master.evaluate import NUMBER, TRUTH, Courses
 from ..master.flight import Flight
-from ..master.measures import check, parse, values
+from ..master.measures import check, parse, shown, values
 from ..yaml_file import Source
 from .spec import Campaign
 from .subject import Measure, Subject
@@ -22,12 +22,16 @@ def check_measures(source: Source, campaign: Campaign, subject: Subject, signals
     """
     known = list(subject.metrics)
     taken = {"run", subject.column, "seed", "status", "message", "success", "ticks", "departed_at_s",
-             *(f"success.{name}" for name in campaign.success), *drawn, *signals}
+             *(f"success.{name}" for name in campaign.success), *drawn, *signals,
+             *(["margin"] if campaign.rare else [])}
     for name, text in campaign.metrics.items():
         with source.at("metrics", name):
             if name in known or name in taken:
                 kind = "metric" if name in known else "column or a signal"
                 raise UsageError(f"there is a {kind} of this name already")
+            later = [word for word in parse(text).names if word in campaign.metrics and word not in known]
+            if later:
+                raise UsageError(f"'{shown(text)}': {later[0]} is no metric yet: a metric may name those above it")
             check(parse(text), signals, known, NUMBER)
         known.append(name)
     for name, text in campaign.success.items():
@@ -40,18 +44,24 @@ def check_measures(source: Source, campaign: Campaign, subject: Subject, signals
             source.fail(("over_time", i), f"there is no signal {name}{did_you_mean(name, signals)}")
 
 
-def judged(measure: Measure, metrics: Mapping[str, str], success: Mapping[str, str], flight: Flight
-           ) -> tuple[dict[str, float], dict[str, bool], dict[str, str]]:
-    """What a flight shows: the metrics that it has; the criteria; why criteria without a value have none.
-
-    A criterion without a value is false, and so is every one of a flight that did not reach its end.
-    """
+def courses(flight: Flight) -> Courses:
+    """The course of a signal by its name. Raises UsageError for one that was not recorded."""
     @cache
     def course(name: str) -> Course:
         if name not in flight:
             raise UsageError(f"there is no {name}")
         return flight.course(name)
 
+    return course
+
+
+def judged(measure: Measure, metrics: Mapping[str, str], success: Mapping[str, str], flight: Flight
+           ) -> tuple[dict[str, float], dict[str, bool], dict[str, str]]:
+    """What a flight shows: the metrics that it has; the criteria; why criteria without a value have none.
+
+    A criterion without a value is false, and so is every one of a flight that did not reach its end.
+    """
+    course = courses(flight)
     found = {**dict.fromkeys(metrics), **measure(flight)}
     found |= values({name: parse(text) for name, text in metrics.items()}, course, found)
     held, reasons = {}, {}

@@ -1,11 +1,12 @@
 """The client: sends tasks to a Dask cluster, a bounded number at a time, and puts the outcomes into the store."""
 import uuid
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from concurrent.futures import CancelledError
 from contextlib import contextmanager
 from itertools import count
 
+import numpy as np
 from distributed import Client, Future, KilledWorker, as_completed
 
 from ..errors import RunError
@@ -61,10 +62,11 @@ def cannot_fly(error: BaseException) -> RunError:
 
 
 class Batch:
-    """A submitted task: runs first ... last - 1 of each law. If workers die of it, its runs are flown one by one."""
+    """A submitted task: runs first ... last - 1 of each law, at `points` if these are not the sampler's. If workers die
+    of it, its runs are flown one by one."""
 
-    def __init__(self, plan: Plan, first: int, last: int):
-        self.first, self.last = first, last
+    def __init__(self, plan: Plan, first: int, last: int, points: np.ndarray | None = None):
+        self.first, self.last, self.points = first, last, points
         self.size = (last - first) * len(plan.laws)
         self.outcomes: dict[int, Outcome] = {}
 
@@ -89,19 +91,18 @@ class Engine:
         self.suspects: deque[tuple[Batch, int]] = deque()
         self.name, self.numbers = uuid.uuid4().hex, count()
 
-    def run(self) -> None:
-        """All runs that the store does not have yet.
+    def run(self, batches: Iterable[Batch] | None = None) -> None:
+        """All `batches`; without them, all runs that the store does not have yet, unless enough are there to stop.
 
         Raises RunError if the cluster is lost, or cannot fly at all.
         """
-        missing = (b for b in self.plan.batches() if b[0] not in self.store.done)
-        while True:
+        missing = iter(batches) if batches is not None else (Batch(self.plan, *span) for span in self.store.missing())
+        while self.store.front.stopped is None:
             with asking():
                 most = AHEAD * max(1, sum(self.client.nthreads().values()))
             while len(self.flying) < most:
-                if (span := next(missing, None)) is None:
+                if (batch := next(missing, None)) is None:
                     break
-                batch = Batch(self.plan, *span)
                 self.submit(batch, list(range(batch.size)))
             if not self.flying:
                 if not self.suspects:
@@ -111,12 +112,14 @@ class Engine:
             with asking():
                 future = next(self.queue)
             self.take(future)
+        with asking():
+            self.client.cancel(list(self.flying))
 
     def submit(self, batch: Batch, positions: list[int], alone: bool = False) -> None:
         """Submit the runs of a batch at `positions`; `alone` if a worker died of the run before."""
         number = next(self.numbers)
         future = self.client.submit(fly_batch, self.plan.job.key, batch.first, batch.last,
-                                    None if len(positions) == batch.size else positions, pure=False,
+                                    None if len(positions) == batch.size else positions, batch.points, pure=False,
                                     key=(f"{'alone' if alone else 'ahv'}-{self.name}", number))
         self.flying[future] = batch, positions
         self.queue.add(future)
@@ -138,7 +141,7 @@ class Engine:
         elif not isinstance(error, KilledWorker):
             raise cannot_fly(error)
         elif is_alone(future):
-            request = list(requests(self.plan.job, batch.first, batch.last))[positions[0]]
+            request = list(requests(self.plan.job, batch.first, batch.last, batch.points))[positions[0]]
             batch.outcomes[positions[0]] = Outcome(
                 request, "crashed", "Each worker that flew this run died of it: an FMU crashed, or hung beyond "
                 f"timeout_s = {self.plan.job.timeout_s:g}.")

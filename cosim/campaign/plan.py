@@ -2,7 +2,6 @@
 import hashlib
 import json
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -19,13 +18,29 @@ from ..master.system import System, Value
 from ..yaml_file import Source
 from .code import CODE
 from .criteria import check_measures
-from .dispersions import Fmus, all_draws, all_mixings, checked, constants, with_values
-from .sampling import Draw, Sampler
+from .dispersions import (
+    Fmus,
+    all_draws,
+    all_mixings,
+    checked,
+    constants,
+    opened,
+    run_count,
+    with_measured,
+    with_values,
+)
+from .labels import Label, labels_of
+from .rare_rules import check_rare, towards, version, whole_tasks
+from .samples import Samples
+from .sampling import Draw, Sampler, free
 from .spec import Campaign
 from .subject import Figure, Measure, Subject, SystemSubject, TakeCourse, nothing, signal
 
+# Of these the draws of a run depend on the number of runs. A campaign of any other sampling can grow.
+WHOLE_ONLY = {"latin-hypercube": "A Latin hypercube divides each range into as many strata as there are runs",
+              "grid": "A grid has a run for each of its points"}
 TICKS_PER_TASK, MOST_PER_TASK, LEAST_TASKS = 200_000, 200, 16
-IF_GIVEN = ("metrics",)  # fields that campaign.json has only where the file has them
+IF_GIVEN = ("metrics", "rare", "samples", "stop_when")  # fields that campaign.json has only where the file has them
 
 
 @dataclass(frozen=True)
@@ -42,7 +57,7 @@ class Job:
     draws: dict[str, tuple[Draw, ...]]    # of each variant: relative draws multiply its own nominal values
     sampler: Sampler
     keep_share: float                     # of the runs: their signals
-    keep_failures: bool
+    most_failures: float                  # of each variant: the first so many keep their signals
     decimate: int
     code: dict[str, str]                  # that flies it
     start: float = 0.0                    # s
@@ -51,6 +66,7 @@ class Job:
     over_time: dict[str, str] = field(default_factory=dict)   # name -> expression
     measure: Measure = nothing            # the subject's own metrics
     course: TakeCourse = signal           # of what is drawn over time
+    towards: tuple[str, ...] = ()         # criteria of which the margin is wanted
 
 
 @dataclass(frozen=True)
@@ -71,6 +87,7 @@ class Plan:
     fmus: dict[str, Path]                 # SHA256/FILE.fmu -> the file
     fingerprint: dict[str, Any]           # what determines the rows
     runs_per_task: int
+    labels: dict[str, Label]              # of what is drawn and what is recorded
 
     @property
     def path(self) -> Path:
@@ -113,11 +130,6 @@ class Plan:
         used = (n for text in self.campaign.success.values() for n in parse(text).names if n in self.metrics)
         return self.campaign.worst_by or next(used, self.subject.worst_by or next(iter(self.metrics), None))
 
-    def batches(self) -> Iterator[tuple[int, int]]:
-        """First and past-the-last run of each task."""
-        for first in range(0, self.campaign.runs, self.runs_per_task):
-            yield first, min(first + self.runs_per_task, self.campaign.runs)
-
 
 def load(path: Path, *subjects: type[Subject]) -> Plan:
     """The campaign in the file at `path`, of any system or of one of `subjects`.
@@ -150,24 +162,33 @@ def read(source: Source, *subjects: type[Subject]) -> tuple[Campaign, type[Subje
         source.fail((), f"{' or '.join(kind.field for kind in kinds)} is missing")
     bases: tuple[Any, ...] = (Campaign, subject.fields)
     model: type[Campaign] = create_model("CampaignFile", __base__=bases)
-    return source.load(model), subject
+    campaign = source.load(model)
+    for name, why in campaign.out_of_place():
+        source.fail((name,), why)
+    return campaign, subject
 
 
 def make(campaign: Campaign, source: Source, kind: type[Subject]) -> Plan:
     """The plan of a campaign. Raises UsageError, with line and field, for what does not fit the FMUs."""
+    check_stop_when(source, campaign)
     subject = kind(campaign, source)
-    with source.at("stop" if campaign.stop else "step"):
+    with source.at(next((name for name in ("stop", "start", "step") if name in source.data), subject.field)):
         ticks = tick_count(subject.step, subject.stop, subject.start)
     with source.at("algorithm"):
         method(subject.algorithm)
+    campaign, hashes = with_measured(source, written := campaign)
+    samples: Samples | None = None
     systems, record, draws, fmus = {}, {}, {}, {}
     signals: set[str] = set()
+    labels: dict[str, Label] = {}
     for variant, system in subject.systems.items():
         with open_files(system) as files:
             driven = check_values(source, campaign, subject, variant, system, files)
-            draws[variant] = all_draws(source, campaign, system, files, driven)
+            samples = samples or opened(source, campaign, files)
+            draws[variant] = all_draws(source, campaign, system, files, driven, samples)
             signals |= recorded_names(system, dict(files), ["*"])
             record[variant] = recorded(source, campaign, subject, system, files)
+            labels |= labels_of([*(d.name for d in draws[variant]), *record[variant]], files)
             fixed = constants(source, campaign, files)
             system = with_values(system, fixed)
             stored = {c.name: f"{files[c.name].sha256}/{c.fmu.name}" for c in system.components}
@@ -177,25 +198,37 @@ def make(campaign: Campaign, source: Source, kind: type[Subject]) -> Plan:
             replace(c, fmu=Path(stored[c.name])) for c in system.components))
     first = draws[next(iter(systems))]
     check_measures(source, campaign, subject, signals, [d.name for d in first])
-    sampler = Sampler(campaign.sampling, campaign.seed, campaign.runs, len(first),
-                      all_mixings(source, campaign, first))
-    runs_per_task = campaign.runs_per_task or task_size(campaign.runs, ticks * len(systems), python)
+    check_rare(source, campaign, draws)
+    check_stop_when(source, campaign)
+    runs = run_count(source, campaign, samples, first)
+    written, campaign = (c.model_copy(update={"runs": runs}) for c in (written, campaign))
+    sampler = Sampler(campaign.sampling, campaign.seed, runs, len(free(first)), all_mixings(source, campaign, first),
+                      samples)
+    runs_per_task = campaign.runs_per_task or task_size(runs, ticks * len(systems), python)
+    if campaign.rare:
+        runs_per_task = whole_tasks(campaign.rare, runs_per_task)
+    if samples is not None:
+        hashes[samples.file] = samples.sha256
+        fmus[samples.stored] = samples.path
     fingerprint = {
-        **campaign.model_dump(mode="json", exclude={"name", "worst_by", *(n for n in IF_GIVEN
-                                                                          if n not in campaign.model_fields_set)}),
-        **subject.said, "runs_per_task": runs_per_task,
-        "fmus": {variant: {c.name: str(c.fmu) for c in s.components} for variant, s in systems.items()}, "code": CODE}
+        **written.model_dump(mode="json", exclude={"name", "worst_by", *(n for n in IF_GIVEN
+                                                                         if n not in campaign.model_fields_set)}),
+        **({"files": hashes} if hashes else {}), **subject.said, "runs_per_task": runs_per_task,
+        "fmus": {variant: {c.name: str(c.fmu) for c in s.components} for variant, s in systems.items()}, "code": CODE,
+        **({"openturns": version()} if campaign.rare else {})}
     job = Job(key_of(fingerprint), systems, record, subject.step, ticks, subject.algorithm, campaign.success,
-              campaign.timeout_s, draws, sampler, campaign.signals.share, campaign.signals.failures,
+              campaign.timeout_s, draws, sampler, campaign.signals.share, campaign.signals.most_failures,
               campaign.signals.decimate, CODE, subject.start, subject.tolerance, campaign.metrics,
               {name: expression for name, (_, expression) in subject.over_time.items()}, subject.measure,
-              subject.course)
-    return Plan(source, campaign, subject, fixed, job, fmus, fingerprint, runs_per_task)
+              subject.course, towards(campaign))
+    return Plan(source, campaign, subject, fixed, job, fmus, fingerprint, runs_per_task, labels)
 
 
 def key_of(fingerprint: dict[str, Any]) -> str:
-    """The key of a campaign: it differs when anything does that determines the rows. `kind` is no part of it."""
-    text = json.dumps({name: value for name, value in fingerprint.items() if name != "kind"}, sort_keys=True)
+    """The key of a campaign: it differs when anything does that determines a row. `kind` is no part of it, nor is the
+    number of runs where a campaign can grow."""
+    without = {"kind", "runs_per_task"} | (set() if fingerprint.get("sampling") in WHOLE_ONLY else {"runs"})
+    text = json.dumps({name: value for name, value in fingerprint.items() if name not in without}, sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()
 
 
@@ -231,6 +264,18 @@ def recorded(source: Source, campaign: Campaign, subject: Subject, system: Syste
             if len(subject.systems) == 1:
                 source.fail(("signals", "record"), f"{pattern} fits no numeric variable")
     return sorted(chosen)
+
+
+def check_stop_when(source: Source, campaign: Campaign) -> None:
+    """Raises UsageError, with line and field, for a rule that cannot end this campaign."""
+    if (rule := campaign.stop_when) is None:
+        return
+    if rule.probability not in ("success", *campaign.success):
+        source.fail(("stop_when", "probability"), f"{rule.probability} is no criterion; there are "
+                    f"{', '.join(dict.fromkeys(('success', *campaign.success)))}")
+    if campaign.sampling != "random":
+        source.fail(("stop_when",), f"it needs sampling: random, not {campaign.sampling}: its confidence is that of "
+                    "independent draws")
 
 
 def task_size(runs: int, ticks: int, python: bool) -> int:

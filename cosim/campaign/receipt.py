@@ -23,9 +23,10 @@ class Table(BaseModel):
 
 
 class Receipt(BaseModel):
-    """The tables of one task, or of a whole campaign."""
+    """The tables of one task, or of a whole campaign: runs first ... last - 1."""
     campaign: str                # the key of its job
-    first: int                   # run
+    first: int
+    last: int
     successes: int
     tables: dict[str, Table]     # by kind
 

@@ -8,7 +8,7 @@ from typing import Any
 from ..errors import UsageError
 from ..master.publish import read
 from .code import differences
-from .plan import key_of
+from .plan import WHOLE_ONLY, key_of
 from .receipt import Receipt
 from .store import KINDS, Store
 
@@ -16,34 +16,75 @@ MOST_NAMED = 5
 
 
 def prepare(store: Store, resume: bool, text: str) -> list[str]:
-    """Make the folder ready; `text` is the campaign file's. What was found to be damaged, in sentences.
+    """Make the folder ready; `text` is the campaign file's. What the reader should know, in sentences.
 
-    Afterwards `store.complete` and `store.done` say what need not be flown. Raises UsageError if there is a campaign
-    already, unless `resume` is set and that campaign is the same; RunError if the folder cannot be written to.
+    Afterwards `store.complete`, `store.done` and `store.front` say what need not be flown. Raises UsageError if there
+    is a campaign already, unless `resume` is set and that campaign is the same, with at most as many runs; RunError if
+    the folder cannot be written to.
     """
     with store.writing():
         said: list[str] = []
+        before: dict[str, Any] = {}
         if store.receipt.exists() or store.file("runs").exists() or any(store.parts.glob("receipt-*")):
             if not resume:
                 raise UsageError(f"{store.folder} has a campaign already: --resume continues it, --out puts this one "
                                  f"elsewhere.")
             before = begun(store, said)
             changed = differences(before.get("code"), store.plan.job.code)
-            store.complete = tables_are_there(store, key_of(before), said)
+            reopened_before(store)
+            tables = final_tables(store, key_of(before), said)
+            if tables:
+                check_not_fewer(store, tables)
+                store.look_at(store.file("runs"), 0)
+                store.complete = store.plan.campaign.rare is not None or tables.last == store.last
             if changed and not store.complete:
                 raise other_campaign(store, f"code has changed since ({changed})")
             if changed:  # campaign.json says what flew them
                 said.append(f"Other code flew these runs than draws their report now ({changed}).")
                 return said
+            if tables and not store.complete:
+                store.check_parts()
+                store.reopen(tables)
         else:
             store.clear_parts()
         if not store.complete:
             store.check_parts()
             find_parts(store, said)
+            if before.get("runs") != store.plan.campaign.runs:
+                said += power_of_two(store)
         store.write_head(text)  # before parts/: it says that the folder is a campaign's
-        if not store.complete:
+        if store.complete:
+            store.clear_parts()  # left by a process that was killed after its last file
+        else:
             store.mark_parts()
     return said
+
+
+def power_of_two(store: Store) -> list[str]:
+    """The advice for Sobol's sequence, whose first points are balanced where their number is a power of 2."""
+    campaign = store.plan.campaign
+    above = 1 << (campaign.runs - 1).bit_length()
+    if campaign.sampling != "sobol" or campaign.runs == above:
+        return []
+    return [f"Sobol draws are most even where runs is a power of 2: {above // 2:,} or {above:,} rather than "
+            f"{campaign.runs:,}."]
+
+
+def check_not_fewer(store: Store, receipt: Receipt) -> None:
+    """Raises UsageError if the file asks for fewer runs than there are."""
+    if receipt.last > (runs := store.plan.campaign.runs):
+        raise UsageError(f"{store.folder} has {receipt.last:,} runs already and the file asks for {runs:,}: a campaign "
+                         f"can grow, not shrink. Ask for {receipt.last:,} or more, or give another folder with --out.")
+
+
+def reopened_before(store: Store) -> None:
+    """Finish what a killed process began: to make a part of the final tables."""
+    try:
+        receipt, part = Receipt.read(store.receipt), Receipt.read(store.part_receipt(0))
+    except ValueError:
+        return
+    if receipt == part and not all(store.file(kind).exists() for kind in KINDS):
+        store.reopen(receipt)
 
 
 def other_campaign(store: Store, what: str) -> UsageError:
@@ -65,9 +106,12 @@ def begun(store: Store, said: list[str]) -> dict[str, Any]:
                              f"campaign: --out puts this one elsewhere.")
         said.append(f"{store.head} was missing or damaged; it is written anew.")
         return ours
-    changed = [k for k, v in ours.items() if before.get(k) != v and k != "code"]
+    changed = [name for name in {**ours, **before} if name not in ("code", "runs", "runs_per_task")
+               and before.get(name) != ours.get(name)]
     if changed:
         raise other_campaign(store, f"{', '.join(changed)} {'has' if len(changed) == 1 else 'have'} changed since")
+    if before.get("runs") != ours["runs"] and (why := WHOLE_ONLY.get(ours["sampling"])):
+        raise other_campaign(store, f"runs has changed since, from {before.get('runs')} to {ours['runs']}. {why}")
     return before
 
 
@@ -79,22 +123,21 @@ def says(path: Path) -> str | None:
         return None
 
 
-def tables_are_there(store: Store, key: str, said: list[str]) -> bool:
-    """Whether the final tables are whole and of the campaign `key`."""
+def final_tables(store: Store, key: str, said: list[str]) -> Receipt | None:
+    """The receipt of the final tables; None unless they are whole and of the campaign `key`."""
     if not (store.receipt.exists() or store.file("runs").exists()):
-        return False
-    wrong = []
+        return None
     try:
         receipt = Receipt.read(store.receipt)
-        if receipt.campaign != key or set(receipt.tables) != set(KINDS):
+        if (receipt.campaign, receipt.first, set(receipt.tables)) != (key, 0, set(KINDS)):
             raise ValueError(f"{store.receipt.name} is not of this campaign")
+        wrong = faults(receipt, store.file)
     except ValueError as reason:
-        wrong.append(str(reason))
-    else:
-        wrong += faults(receipt, store.file)
+        wrong = [str(reason)]
     if wrong:
         said.append(f"{named(wrong)}: what is not in parts/ is flown again.")
-    return not wrong
+        return None
+    return receipt
 
 
 def faults(receipt: Receipt, file: Callable[[str], Path]) -> list[str]:
@@ -109,24 +152,28 @@ def faults(receipt: Receipt, file: Callable[[str], Path]) -> list[str]:
 
 
 def find_parts(store: Store, said: list[str]) -> None:
-    """Find the tasks that are complete. A task with a damaged part is not."""
-    wrong = []
-    for first, last in store.plan.batches():
+    """Find the tasks that are complete. A task with a damaged part is not. Raises UsageError if they have more runs
+    than the file asks for."""
+    wrong: list[str] = []
+    end = 0
+    for first in sorted(store.tasks()):
         path = store.part_receipt(first)
         try:
             receipt = Receipt.read(path)
-            expected = store.plan.job.key, first, (last - first) * len(store.plan.laws)
             runs = receipt.tables.get("runs")
-            if (receipt.campaign, receipt.first, runs and runs.rows) != expected:
+            if (receipt.campaign, receipt.first, runs and runs.rows) != (
+                    store.plan.job.key, first, (receipt.last - first) * len(store.plan.laws)) or first < end:
                 raise ValueError(f"{path.name} is not of this task")
         except ValueError as reason:
-            if path.exists() or any(store.part(kind, first).exists() for kind in KINDS):
-                wrong.append(str(reason))
+            wrong.append(str(reason))
             continue
         found = faults(receipt, partial(store.part, first=first))
         wrong += found
         if not found:
+            check_not_fewer(store, receipt)
+            end = receipt.last
             store.done[first] = receipt
+            store.look_at(store.part("runs", first), first)
     if wrong:
         said.append(f"{store.parts}: {named(wrong)}: these runs are flown again.")
 

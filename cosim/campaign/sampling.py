@@ -5,16 +5,20 @@ many strata as there are runs, so there a run also depends on their number.
 """
 import math
 import warnings
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import repeat
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ..master.system import Value
-from .spec import Choice, Correlation, Integer, LogNormal, Normal, Uniform
+from .distributions import Distribution, Given
+from .samples import Samples
+from .spec import Correlation
 
-Scalar = Uniform | Integer | Normal | LogNormal | Choice
 EDGE = 2.0**-53     # a uniform draw stays off 0 and 1 by this
 DRAWS, SHARE = 0, 1  # streams of random numbers
 
@@ -24,55 +28,28 @@ class Draw:
     """One uncertain number: which variables get it, and from what."""
     name: str                    # component.variable; the column of the results
     targets: tuple[str, ...]     # what is set
-    distribution: Scalar
+    distribution: Distribution
     factor: float | None = None  # the nominal value that the draw multiplies
     period: bool = False         # drawn as a period, set as an angular frequency
 
     def value(self, u: float) -> Value:
         """The value at the probability `u`."""
-        found = quantile(self.distribution, u)
+        return self.changed(self.distribution.quantile(u))
+
+    def changed(self, found: Value) -> Value:
+        """What is set where the distribution has the value `found`."""
         if self.factor is not None:
             found = self.factor * float(found)
         return 2 * math.pi / float(found) if self.period else found
 
     def extremes(self) -> list[Value]:
         """Values that must be allowed: the ends of a bounded distribution, the middle of another."""
-        d = self.distribution
-        if isinstance(d, Choice):
-            counts = [1.0] * len(d.values) if d.weights is None else d.weights
-            ends = (np.cumsum(counts) - 0.5 * np.array(counts))[np.array(counts) > 0] / sum(counts)
-            return [self.value(float(u)) for u in ends]
-        bounded = isinstance(d, Uniform | Integer) or (isinstance(d, Normal) and None not in (d.low, d.high))
-        return [self.value(u) for u in ((0.0, 1.0) if bounded else (0.5,))]
+        return [self.changed(x) for x in self.distribution.extremes()]
 
-
-def quantile(d: Scalar, u: float) -> Value:
-    """The value of a distribution at the probability `u`."""
-    if isinstance(d, Uniform):
-        return d.low + u * (d.high - d.low)
-    if isinstance(d, Integer):
-        return float(d.low + min(math.floor(u * (d.high - d.low + 1)), d.high - d.low))
-    if isinstance(d, Normal) and d.low is d.high is None:
-        return d.mean + d.std * normal(u)
-    if isinstance(d, Normal):
-        low, high = -math.inf if d.low is None else d.low, math.inf if d.high is None else d.high
-        if u in (0.0, 1.0):
-            return high if u else low
-        from scipy.stats import truncnorm  # accurate in both tails, however far out; slow to import
-
-        found = float(truncnorm.ppf(u, (low - d.mean) / d.std, (high - d.mean) / d.std, d.mean, d.std))
-        return min(max(found, low), high)
-    if isinstance(d, LogNormal):
-        return d.median * math.exp(d.sigma * normal(u))
-    weights = np.cumsum([1.0] * len(d.values) if d.weights is None else d.weights)
-    return d.values[min(int(np.searchsorted(weights, u * weights[-1], side="right")), len(d.values) - 1)]
-
-
-def normal(u: float) -> float:
-    """The value of the standard normal distribution at the probability `u`."""
-    from scipy.special import ndtri
-
-    return float(ndtri(u))
+    @cached_property
+    def levels(self) -> list[Value]:
+        """The values in a grid. Raises ValueError where the distribution has none."""
+        return [self.changed(x) for x in self.distribution.levels()]
 
 
 def stream(seed: int, k: int, which: int) -> np.random.Generator:
@@ -111,12 +88,17 @@ def mixing(group: Correlation, names: list[str]) -> Mixing:
 
 @dataclass(frozen=True)
 class Sampler:
-    """Points of the unit cube, one for each run."""
+    """Points of the unit cube, one for each run, and rows of samples beside them."""
     sampling: str
     seed: int
     runs: int
     dimensions: int
     mixings: tuple[Mixing, ...] = ()
+    samples: Samples | None = None
+
+    def placed(self, folder: Path) -> "Sampler":
+        """The same where the samples are below `folder`."""
+        return self if self.samples is None else replace(self, samples=self.samples.at(folder))
 
     @cached_property
     def hypercube(self) -> np.ndarray:
@@ -142,10 +124,20 @@ class Sampler:
             found = np.array([stream(self.seed, k, DRAWS).random(self.dimensions) for k in range(first, last)])
         else:
             found = self.sobol(first, last) if self.sampling == "sobol" else self.hypercube[first:last]
-        found = np.clip(found, EDGE, 1 - EDGE)
-        for u in found:
+        return self.correlated(found)
+
+    def at(self, normal: np.ndarray) -> np.ndarray:
+        """The points of the unit cube at points of the standard normal space, correlated; shape (runs, dimensions)."""
+        from scipy.special import ndtr
+
+        return self.correlated(ndtr(normal))
+
+    def correlated(self, points: np.ndarray) -> np.ndarray:
+        """Independent points, off the edges and correlated."""
+        points = np.clip(points, EDGE, 1 - EDGE)
+        for u in points:
             self.correlate(u)
-        return found
+        return points
 
     def uniforms(self, k: int) -> np.ndarray:
         """Run k's point, shape (dimensions,)."""
@@ -166,6 +158,33 @@ def keeps_signals(seed: int, k: int, share: float) -> bool:
     return share > 0 and bool(stream(seed, k, SHARE).random() < share)
 
 
-def draw(draws: tuple[Draw, ...], u: Any) -> dict[str, Value]:
+def draw(draws: Iterable[Draw], u: Any) -> dict[str, Value]:
     """The values of one run, by the draws' names."""
     return {d.name: d.value(float(x)) for d, x in zip(draws, u)}
+
+
+def free(draws: Iterable[Draw]) -> tuple[Draw, ...]:
+    """Those that samples do not give."""
+    return tuple(d for d in draws if not isinstance(d.distribution, Given))
+
+
+def on_grid(draws: Sequence[Draw], k: int) -> dict[str, Value]:
+    """The values of run k in the full grid of all levels, by the draws' names; those of the last draw change first."""
+    at = np.unravel_index(k, [len(d.levels) for d in draws])
+    return {d.name: d.levels[i] for d, i in zip(draws, at)}
+
+
+def drawn(sampler: Sampler, draws: tuple[Draw, ...], first: int, last: int, points: np.ndarray | None = None
+          ) -> Iterator[dict[str, Value]]:
+    """The values of runs first ... last - 1, by the draws' names: from rows of samples, a grid, or points of the unit
+    cube, which are the sampler's unless `points` are given, shape (last - first, dimensions)."""
+    ours = free(draws)
+    rows = repeat({}) if sampler.samples is None else sampler.samples.read(first, last)
+    if sampler.sampling == "grid":
+        found: Iterable[dict[str, Value]] = (on_grid(ours, k) for k in range(first, last))
+    elif ours:
+        found = (draw(ours, u) for u in (sampler.points(first, last) if points is None else points))
+    else:
+        found = repeat({}, last - first)
+    for values, row in zip(found, rows):
+        yield {**row, **values}

@@ -8,12 +8,21 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.compute
 
+from .sequential import Sequence
+
 MOST_PHASES = 6
+EXPLAINED = "failure_explained"  # in report.json
+FEWEST, MOST_GROUPS = 30, 20  # runs that are grouped, and groups of them
 JUDGED = ("finished", "departed")  # statuses that say something of the law; the others are failures of the machinery
 
 
-def interval_text(sampling: str) -> str:
-    """What `interval` is worth with a kind of sampling."""
+def interval_text(sampling: str, sequence: Sequence | None = None) -> str:
+    """What an interval is worth with a kind of sampling, or with a rule that ends the campaign."""
+    if sampling == "grid":
+        return "none: the points of a grid are not drawn"
+    if sequence:
+        return ("at least 95 % confidence, whatever ended the campaign (a confidence sequence: the beta-binomial "
+                "mixture of Robbins, in the form of Howard and others)")
     text = "at least 95 % confidence (Clopper and Pearson, for independent draws)"
     return text if sampling == "random" else \
         f"{text}; {sampling} draws lie more evenly, so that the interval is often wider than it need be"
@@ -36,10 +45,14 @@ def interval(successes: int, runs: int) -> tuple[float, float]:
 def rank_correlation(name: str, x: np.ndarray, y: np.ndarray) -> float:
     """Spearman's; for a phase, which has no order, the multiple correlation of y's ranks with its sine and cosine.
 
-    0 where x or y does not vary, or fewer than three pairs are finite.
+    For words, which have none either, the root of the share of the ranks' variance that they explain. 0 where x or y
+    does not vary, or fewer than three pairs are finite.
     """
     from scipy.stats import rankdata, spearmanr
 
+    if x.dtype.kind != "f":
+        ok = np.isfinite(y)
+        return float(explained(x[ok], rankdata(y[ok])) ** 0.5)
     ok = np.isfinite(x) & np.isfinite(y)
     x, y = x[ok], y[ok]
     if ok.sum() < 3 or np.ptp(x) == 0 or np.ptp(y) == 0:
@@ -48,6 +61,31 @@ def rank_correlation(name: str, x: np.ndarray, y: np.ndarray) -> float:
         return float(spearmanr(x, y).statistic)
     ranks, waves = rankdata(y), np.column_stack([np.ones_like(x), np.cos(x), np.sin(x)])
     return float(min(1.0, np.std(waves @ np.linalg.lstsq(waves, ranks)[0]) / np.std(ranks)))
+
+
+def explained(x: np.ndarray, y: np.ndarray) -> float:
+    """The share of y's variance, 0 to 1, that x explains by itself: Sobol's index of first order, from the runs as they
+    are.
+
+    The runs are put into groups of like x, and the variance between the groups' means is compared with all of it, less
+    what chance alone would show (epsilon squared). Any dependence counts, also one that goes up and down, and x may be
+    words. 0 where x or y does not vary, of fewer than FEWEST runs, and of more words than groups.
+    """
+    if y.dtype.kind == "f":
+        ok = np.isfinite(y)
+        x, y = x[ok], y[ok]
+    most = min(MOST_GROUPS, round(len(y) ** (1 / 3)))
+    words, group = np.unique(x, return_inverse=True)
+    if len(words) > most and x.dtype.kind == "f":
+        group = np.searchsorted(np.quantile(x, np.arange(1, most) / most), x, side="right")
+        group = np.unique(group, return_inverse=True)[1]
+    counts = np.bincount(group)
+    total = float(((y - y.mean()) ** 2).sum()) if len(y) else 0.0
+    if not total > 0 or not 1 < len(counts) <= most or len(y) < FEWEST:
+        return 0.0
+    between = float(counts @ (np.bincount(group, y) / counts - y.mean()) ** 2)
+    by_chance = (len(counts) - 1) * (total - between) / (len(y) - len(counts))
+    return min(1.0, max(0.0, (between - by_chance) / total))
 
 
 def with_differences(table: pa.Table, draws: list[str]) -> tuple[pa.Table, list[str]]:
@@ -68,16 +106,17 @@ class Results:
     table: pa.Table                 # of the judged runs
     others: pa.Table                # the failures of the machinery
     column: str                     # that names the law
+    sequence: Sequence | None = None  # its intervals, where a rule ended the campaign
 
     @classmethod
-    def of(cls, law: str, table: pa.Table, column: str) -> "Results":
+    def of(cls, law: str, table: pa.Table, column: str, sequence: Sequence | None = None) -> "Results":
         """The rows of `law` in a table of all laws, which are named in `column`."""
         mine = table.filter(pa.compute.equal(table[column], law))
         known = pa.compute.is_in(mine["status"], pa.array(JUDGED))
         judged = mine.filter(known)
         return cls(law, {f.name: judged[f.name].to_numpy() for f in judged.schema
                          if pa.types.is_floating(f.type) or pa.types.is_boolean(f.type)},
-                   judged, mine.filter(pa.compute.invert(known)), column)
+                   judged, mine.filter(pa.compute.invert(known)), column, sequence)
 
     @property
     def runs(self) -> int:
@@ -99,20 +138,30 @@ class Results:
         """The share of successes of the judged runs; None without any."""
         return self.successes / self.judged if self.judged else None
 
+    @property
+    def interval(self) -> tuple[float, float]:
+        """An interval for the probability of success with at least 95 % confidence."""
+        return (self.sequence.interval if self.sequence else interval)(self.successes, self.judged)
+
     def statuses(self) -> dict[str, int]:
         """How many runs ended with each status."""
         counts = [c for t in (self.table, self.others) for c in t["status"].value_counts().to_pylist()]
         return {c["values"]: c["counts"] for c in sorted(counts, key=lambda c: str(c["values"]))}
 
     def drivers(self, draws: list[str], metric: str | None) -> dict[str, dict[str, float]]:
-        """Rank correlations of failure, and of `metric`, with each draw that is a number; the strongest first."""
+        """Of each draw its rank correlations with failure and with `metric`, and the share of failure's variance that
+        it explains by itself (EXPLAINED); the strongest first."""
         judged = {"failure": (~self.columns["success"].astype(bool)).astype(float)}
         if metric is not None:
             judged[metric] = self.columns[metric]
-        found = {name: {what: rank_correlation(name, self.columns[name].astype(float), values)
-                        for what, values in judged.items()} for name in draws if name in self.columns}
-        return dict(sorted(found.items(), key=lambda item: -abs(item[1]["failure"]) - 1e-3 * abs(
-            item[1].get(metric or "failure", 0.0))))
+        found = {}
+        for name in (d for d in draws if d in self.table.column_names):
+            words = name not in self.columns
+            x = np.array(self.table[name].to_pylist(), str) if words else self.columns[name].astype(float)
+            found[name] = {**{what: rank_correlation(name, x, values) for what, values in judged.items()},
+                           EXPLAINED: explained(x, judged["failure"])}
+        return dict(sorted(found.items(), key=lambda item: -max(abs(item[1]["failure"]), item[1][EXPLAINED] ** 0.5)
+                           - 1e-3 * abs(item[1].get(metric or "failure", 0.0))))
 
     def worst(self, metric: str | None, count: int = 10) -> list[dict[str, Any]]:
         """Rows: those that did not end first, by how early that was, then by `metric`, if there is one."""
@@ -132,7 +181,7 @@ class Results:
                                    "max": float(values.max())}
         return {"runs": self.runs, "judged": self.judged, "successes": self.successes,
                 "failures": {noun: self.judged - self.successes, "machinery": self.runs - self.judged},
-                "probability": self.probability, "interval_95": list(interval(self.successes, self.judged)),
+                "probability": self.probability, "interval_95": list(self.interval),
                 "statuses": self.statuses(), "metrics": quantiles, "drivers": self.drivers(draws, metric)}
 
 

@@ -5,7 +5,8 @@ import os
 import tempfile
 import threading
 import time
-from collections.abc import Iterator, Mapping
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -25,10 +26,12 @@ from ..master.system import System, Value
 from ..master.whole_file import whole
 from ..temporary import FULL
 from .code import CODE, differences
+from .criteria import courses as signals_of
 from .criteria import judged
 from .dispersions import with_values
+from .margin import of_flight
 from .plan import Job
-from .sampling import draw, keeps_signals
+from .sampling import drawn, keeps_signals
 
 ENVELOPE_RUNS, ENVELOPE_POINTS = 2000, 100  # the first runs, whose errors over time are kept
 PATIENCE_S = 5.0  # a call that outlasts the timeout by this ends the worker
@@ -56,6 +59,7 @@ class Outcome:
     metrics: dict[str, float] = field(default_factory=dict)
     success: dict[str, bool] = field(default_factory=dict)
     reasons: dict[str, str] = field(default_factory=dict)  # of criteria without a value: why
+    margin: float | None = None  # of what a campaign of rare failures flies towards
     errors: dict[str, np.ndarray] | None = None
     signals: dict[str, np.ndarray] | None = None
 
@@ -65,14 +69,14 @@ class Outcome:
         return self.status == "finished" and all(self.success.values())
 
 
-def requests(job: Job, first: int, last: int) -> Iterator[Request]:
-    """Runs first ... last - 1, of each law."""
-    for k, u in zip(range(first, last), job.sampler.points(first, last)):
+def requests(job: Job, first: int, last: int, points: np.ndarray | None = None) -> Iterator[Request]:
+    """Runs first ... last - 1, of each law; at `points` of the unit cube, else at the sampler's."""
+    found = zip(*(drawn(job.sampler, draws, first, last, points) for draws in job.draws.values()))
+    for k, by_law in zip(range(first, last), found):
         keep = keeps_signals(job.sampler.seed, k, job.keep_share)
-        for law in job.systems:
-            drawn = draw(job.draws[law], u)
-            values = {target: drawn[d.name] for d in job.draws[law] for target in d.targets}
-            yield Request(k, law, drawn, values, keep, k < ENVELOPE_RUNS)
+        for (law, draws), row in zip(job.draws.items(), by_law):
+            values = {target: row[d.name] for d in draws for target in d.targets}
+            yield Request(k, law, row, values, keep, k < ENVELOPE_RUNS)
 
 
 class SendJob(WorkerPlugin):
@@ -85,7 +89,7 @@ class SendJob(WorkerPlugin):
 
     def setup(self, worker: Any) -> None:
         """Keep the job in the worker's process."""
-        JOBS[self.job.key] = self.job
+        JOBS[self.job.key] = replace(self.job, sampler=self.job.sampler.placed(work_folder(worker)))
 
 
 class SendFmu(WorkerPlugin):
@@ -218,11 +222,15 @@ class LoadedSystems:
         """What a flight shows of the request."""
         metrics, success, reasons = judged(self.job.measure, self.job.metrics, self.job.success, flight)
         ended = None if flight.finished else flight.reached
-        result = Outcome(request, status, flight.message, flight.ticks, ended, metrics, success, reasons)
+        margin = None
+        if self.job.towards and status != "timed-out":  # which says nothing of the system
+            margin = of_flight({name: self.job.success[name] for name in self.job.towards}, success,
+                               signals_of(flight), metrics, None if flight.finished else flight.ticks / self.job.ticks)
+        result = Outcome(request, status, flight.message, flight.ticks, ended, metrics, success, reasons, margin)
         if request.envelope and self.job.over_time:
             courses = {name: self.job.course(flight, text) for name, text in self.job.over_time.items()}
             result.errors = errors_over_time(courses, self.job.step, self.job.ticks, self.job.start)
-        if request.keep or (self.job.keep_failures and not result.succeeded):
+        if request.keep or (self.job.most_failures and not result.succeeded):
             rows = sorted({*range(0, len(flight.time), self.job.decimate), len(flight.time) - 1})
             result.signals = {"time": flight.time[rows],
                               **{c.name: flight.signals[rows, i].copy() for i, c in enumerate(flight.columns)}}
@@ -271,11 +279,25 @@ def refusal(address: str, unlike: str) -> str:
     return f"The worker at {address} has other code and may not fly: {unlike}."
 
 
-def fly_batch(key: str, first: int, last: int, positions: list[int] | None = None) -> list[Outcome]:
-    """Fly runs first ... last - 1 of the job `key`, one after the other, or those of them at `positions`."""
-    asked = list(requests(JOBS[key], first, last))
+def fly_batch(key: str, first: int, last: int, positions: list[int] | None = None,
+              points: np.ndarray | None = None) -> list[Outcome]:
+    """Fly runs first ... last - 1 of the job `key`, one after the other, or those of them at `positions`; `points` as
+    in `requests`."""
+    asked = list(requests(JOBS[key], first, last, points))
     with TURN:
-        return [guarded(loaded(key), asked[i]) for i in (range(len(asked)) if positions is None else positions)]
+        flown = (guarded(loaded(key), asked[i]) for i in (range(len(asked)) if positions is None else positions))
+        return list(first_failures(flown, JOBS[key].most_failures))
+
+
+def first_failures(outcomes: Iterable[Outcome], most: float) -> Iterator[Outcome]:
+    """The outcomes, without the signals of failures after the first `most` of each law."""
+    seen: Counter[str] = Counter()
+    for outcome in outcomes:
+        if outcome.signals is not None and not outcome.succeeded:
+            seen[outcome.request.law] += 1
+            if seen[outcome.request.law] > most and not outcome.request.keep:
+                outcome.signals = None
+        yield outcome
 
 
 def fly_nominal(key: str, law: str) -> Outcome:

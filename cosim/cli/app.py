@@ -21,12 +21,15 @@ from . import (
     check,
     compare,
     container,
+    fit,
     info,
     linearize,
+    playground,
     recover,
     run,
     simulate,
     ssp,
+    sweep,
     trim,
     tune,
 )
@@ -38,7 +41,8 @@ REFUSED = (errno.ENOENT, errno.EACCES, errno.EPERM, errno.ENOTDIR, errno.EISDIR,
            errno.ELOOP, errno.EROFS)
 
 app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False)
-for command in (run, recover, compare, info, trim, linearize, simulate, ssp, container, check, campaign, tune, build):
+for command in (run, recover, compare, info, trim, linearize, simulate, ssp, container, check, campaign, sweep, fit,
+                tune, build, playground):
     app.command()(getattr(command, command.__name__.rpartition(".")[2]))
 app.command(context_settings={"allow_extra_args": True, "ignore_unknown_options": True})(bench.bench)
 

@@ -6,6 +6,7 @@ from typing import Annotated, Any
 import typer
 
 from ..errors import UsageError
+from ..text import shown
 from .options import Json, place
 from .show import report
 
@@ -45,12 +46,36 @@ def campaign(
 def table(summary: dict[str, Any]) -> dict[str, Any]:
     """The summary's few lines for a terminal."""
     rows: dict[str, Any] = {"campaign": summary["campaign"]}
+    if "rare" in summary:
+        return {**rows, **rare(summary["rare"]), "wall_s": summary["wall_s"], "report": summary["report"]}
+    grid = summary.get("grid")
     for law, found in summary["controllers" if "controllers" in summary else "variants"].items():
         low, high = found["interval_95"]
         share = "unknown" if found["probability"] is None else f"{100 * found['probability']:.2f} %"
-        rows[f"success, {law}"] = (f"{share} ({100 * low:.2f} to {100 * high:.2f}), {found['successes']:,} of "
-                                   f"{found['judged']:,} judged runs")
+        between = "" if grid else f" ({100 * low:.2f} to {100 * high:.2f})"
+        rows[f"success, {law}"] = f"{share}{between}, {found['successes']:,} of {found['judged']:,} judged runs"
         if found["failures"]["machinery"]:
             rows[f"not judged, {law}"] = f"{found['failures']['machinery']:,} of {found['runs']:,} runs: " + ", ".join(
                 f"{status} {count:,}" for status, count in found["statuses"].items() if status not in summary["judged"])
-    return {**rows, "interval": summary["interval"], "wall_s": summary["wall_s"], "report": summary["report"]}
+        for metric, ends in (grid or {}).get(law, {}).items():
+            for word, one in ends.items():
+                rows[f"{word} {metric}, {law}"] = f"{one['value']:.6g} at " + ", ".join(
+                    f"{name} = {shown(value)}" for name, value in one["at"].items())
+    if stopped := summary.get("stopped"):
+        rows["ended"] = f"after {stopped['after_runs']:,} runs: {stopped['why']}"
+    return {**rows, **({} if grid else {"interval": summary["interval"]}), "wall_s": summary["wall_s"],
+            "report": summary["report"]}
+
+
+def rare(found: dict[str, Any]) -> dict[str, Any]:
+    """The lines of a campaign of rare failures."""
+    runs = f"{found['runs']:,} in {len(found['levels'])} levels"
+    if found["not_judged"]:
+        runs += f", of which {found['not_judged']:,} were not judged"
+    if found["probability"] is None:
+        return {f"failure of {found['failure']}": f"no estimate: {found['reason']}", "runs": runs}
+    low, high = found["interval_95"]
+    plain = f"; as many as {found['plain_runs']:,.0f} plain runs" if found["plain_runs"] else ""
+    return {f"failure of {found['failure']}": f"{found['probability']:.3g} ({low:.3g} to {high:.3g}), coefficient of "
+                                              f"variation {100 * found['coefficient_of_variation']:.0f} %",
+            "runs": runs + plain, "interval": found["interval"]}

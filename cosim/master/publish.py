@@ -45,6 +45,7 @@ KINDS = {
     "campaign": Kind("a campaign", "campaign.json", "dispersions", (
         "campaign.yaml", "parts", "receipt.json", "runs.parquet", "signals.parquet", "errors.parquet", "report.html",
         "report.json", "figures"), ("receipt.json", "parts/.campaign")),
+    "fit": Kind("a fit", "fit.json", "correlation", ("fit.parquet", "fit*.png", "inputs_*.csv")),
     "tune": Kind("a tuning", "tune.json", "budget", ()),
 }
 

@@ -64,6 +64,30 @@ class System:
             if names.count(name) > 1:
                 raise UsageError(f"Two components are called {name}.")
 
+    def with_values(self, values: Mapping[str, Value]) -> "System":
+        """The same system with values of `component.variable` set as well. Raises UsageError for no such component."""
+        found: dict[str, dict[str, Value]] = {c.name: {} for c in self.components}
+        for name, value in values.items():
+            component, _, variable = name.partition(".")
+            self.component(component)
+            found[component][variable] = value
+        return replace(self, components=tuple(c.with_values(found[c.name]) for c in self.components))
+
+    def without(self, *names: str) -> "System":
+        """The same system without the components called `names` and their connections: nothing feeds the inputs that
+        they fed. Raises UsageError for no such component."""
+        gone = {self.component(name).name for name in names}
+        links = tuple(link for link in self.connections
+                      if gone.isdisjoint(end.partition(".")[0] for end in (link.source, link.target)))
+        return replace(self, components=tuple(c for c in self.components if c.name not in gone), connections=links)
+
+    def component(self, name: str) -> Component:
+        """The component called `name`. Raises UsageError if there is none."""
+        known = {c.name: c for c in self.components}
+        if name not in known:
+            raise UsageError(f"There is no component {name}; there are {', '.join(known)}.")
+        return known[name]
+
 
 def as_path(given: str | PathLike[str]) -> Path:
     """Raises UsageError unless `given` is a text or a path."""

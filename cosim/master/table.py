@@ -72,8 +72,9 @@ def look_up(times: Any, rows: Any, held: Any, time: float, early: float, columns
             values[i] += share * (rows[low, c] - rows[last, c])
 
 
-def read_table(path: str | PathLike[str]) -> Table:
-    """The table in a CSV file (commas, names in the first line) or a Parquet file.
+def read_table(path: str | PathLike[str], gaps: bool = False) -> Table:
+    """The table in a CSV file (commas, names in the first line) or a Parquet file. With `gaps`, cells may be empty, but
+    not those of the time: they are NaN.
 
     Raises UsageError, one sentence, for a file that is none or has no number in some place.
     """
@@ -90,7 +91,8 @@ def read_table(path: str | PathLike[str]) -> Table:
         if path.stat().st_size > LARGEST:
             raise UsageError(f"{path} is too large: a table has at most {LARGEST >> 20} MB.")
         found = (pyarrow.parquet.read_table(path.absolute()) if path.suffix.lower() == ".parquet" else
-                 pyarrow.csv.read_csv(path.absolute()))
+                 pyarrow.csv.read_csv(path.absolute(), convert_options=pyarrow.csv.ConvertOptions(
+                     null_values=[""]) if gaps else None))
         names = [name.strip() for name in found.column_names]
     except (pa.ArrowException, ValueError, OSError) as error:
         raise UsageError(f"{path} cannot be read as a table: {' '.join(str(error).split()).rstrip('.')}.") from None
@@ -104,7 +106,7 @@ def read_table(path: str | PathLike[str]) -> Table:
         raise UsageError(f"{path} has no column beside {TIME}.")
     if not found.num_rows:
         raise UsageError(f"{path} has no rows.")
-    columns = {name: numbers(found.column(i), name, path) for i, name in enumerate(names)}
+    columns = {name: numbers(found.column(i), name, path, gaps and name != TIME) for i, name in enumerate(names)}
     times = columns.pop(TIME)
     back = np.flatnonzero(np.diff(times) < 0)
     if len(back):
@@ -114,20 +116,25 @@ def read_table(path: str | PathLike[str]) -> Table:
     return Table(path, times, columns)
 
 
-def numbers(column: Any, name: str, path: Path) -> np.ndarray:
-    """A column as finite numbers, shape (rows,); false and true are 0 and 1. Raises UsageError for anything else."""
+def numbers(column: Any, name: str, path: Path, gaps: bool = False) -> np.ndarray:
+    """A column as finite numbers, shape (rows,); false and true are 0 and 1, with `gaps` empty cells are NaN. Raises
+    UsageError for anything else."""
     import pyarrow as pa
 
     kind = column.type
+    if gaps and pa.types.is_null(kind):
+        return np.full(len(column), np.nan)
     if not (pa.types.is_integer(kind) or pa.types.is_floating(kind) or pa.types.is_boolean(kind)):
         texts = column.to_pylist()
         row = next((i for i, x in enumerate(texts) if not is_number(str(x))), 0)
         raise UsageError(f"{path}: {name} in row {row + 1} is {texts[row]!r}; it must be a number.")
-    empty = np.flatnonzero(column.is_null().to_numpy())
-    if len(empty):
-        raise UsageError(f"{path}: {name} in row {int(empty[0]) + 1} is empty; it must be a number.")
+    if pa.types.is_boolean(kind):
+        column = column.cast(pa.uint8())
+    empty = column.is_null().to_numpy()
+    if empty.any() and not gaps:
+        raise UsageError(f"{path}: {name} in row {int(empty.argmax()) + 1} is empty; it must be a number.")
     values = np.asarray(column.to_numpy()).astype(float)
-    odd = np.flatnonzero(~np.isfinite(values))
+    odd = np.flatnonzero(~np.isfinite(values) & ~empty)
     if len(odd):
         row = int(odd[0])
         raise UsageError(f"{path}: {name} in row {row + 1} is {values[row]}; it must be a finite number.")

@@ -52,7 +52,7 @@ def test_the_plant_with_held_inputs_for_a_second(vehicle, count):
     assert worst <= 1e-8 and left < 0.2 * count
 
 
-@pytest.mark.parametrize("count", [2, pytest.param(100, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("count", [2, MANY])
 def test_plant_and_controller_for_a_second_of_closed_loop(vehicle, law, count):
     """From states of Case 1, with commands and scales held, both FMUs in one solver: the difference is that of the
     solver's tolerance. At 1e-10 it is above 1e-8 of nominal, since V and h are 8 and 85 nominals large."""

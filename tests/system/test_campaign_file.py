@@ -4,6 +4,7 @@ import yaml
 from campaigns import load
 from places import ROOT
 
+from cosim.campaign.store import Store
 from cosim.errors import UsageError
 
 GOOD = """\
@@ -186,16 +187,24 @@ def test_what_is_said_of_a_law_wins_over_what_is_said_of_all(tmp_path):
 
 def test_the_tasks_hold_all_runs_once_and_the_file_s_stop_wins(tmp_path):
     found = plan(GOOD.replace("runs: 8", "runs: 41\nruns_per_task: 20"), tmp_path)
-    assert list(found.batches()) == [(0, 20), (20, 40), (40, 41)] and found.stop == 1 and found.job.ticks == 100
+    assert list(Store(tmp_path, found).missing()) == [(0, 20), (20, 40), (40, 41)]
+    assert found.stop == 1 and found.job.ticks == 100
     assert plan(GOOD.replace("runs: 8", "runs: 41"), tmp_path).runs_per_task == 3           # a 16th, rounded up
     assert plan(GOOD.replace("runs: 8", "runs: 99999"), tmp_path).runs_per_task == 200
     assert plan(GOOD.replace("runs: 8", "runs: 99999\nflavour: python"), tmp_path).runs_per_task == 40
 
 
+@pytest.mark.parametrize("sampling,grows", [("random", True), ("sobol", True), ("latin-hypercube", False)])
+def test_the_number_of_runs_is_in_the_key_where_the_draws_depend_on_it(sampling, grows, tmp_path):
+    few, more = (plan(GOOD.replace("runs: 8", f"runs: {runs}\nsampling: {sampling}"), tmp_path) for runs in (8, 800))
+    assert (few.job.key == more.job.key) is grows and few.described != more.described
+    assert few.runs_per_task != more.runs_per_task
+
+
 def test_what_determines_the_rows_is_in_the_fingerprint(tmp_path):
     one = plan(GOOD, tmp_path)
-    for before, after in (("seed: 3", "seed: 4"), ("runs: 8", "runs: 9"), ("std: 10", "std: 11"), ("< 20", "< 21"),
-                          ("stop: 1", "stop: 2")):
+    for before, after in (("seed: 3", "seed: 4"), ("std: 10", "std: 11"), ("< 20", "< 21"), ("stop: 1", "stop: 2"),
+                          ("seed: 3", "seed: 3\nstop_when: {half_width: 0.1}")):
         assert plan(GOOD.replace(before, after), tmp_path).job.key != one.job.key
     other = plan(GOOD.replace("name: small", "name: other\nworst_by: protected_s"), tmp_path)
     assert other.job.key == one.job.key

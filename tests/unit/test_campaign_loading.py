@@ -7,8 +7,8 @@ from types import SimpleNamespace
 import pytest
 
 from cosim.campaign import worker
+from cosim.campaign.distributions import Uniform
 from cosim.campaign.sampling import Draw, Sampler, keeps_signals
-from cosim.campaign.spec import Uniform
 from cosim.campaign.worker import LoadedSystems, Outcome, Request, keep, requests
 from cosim.errors import RunError, UsageError
 

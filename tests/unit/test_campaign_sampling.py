@@ -6,8 +6,9 @@ import warnings
 import numpy as np
 import pytest
 
-from cosim.campaign.sampling import Draw, Sampler, keeps_signals, mixing, quantile
-from cosim.campaign.spec import Choice, Correlation, Integer, LogNormal, Normal, Uniform
+from cosim.campaign.distributions import Choice, Integer, LogNormal, Normal, Uniform
+from cosim.campaign.sampling import Draw, Sampler, keeps_signals, mixing
+from cosim.campaign.spec import Correlation
 
 UNIFORM = Uniform(distribution="uniform", low=-2, high=6)
 POINTS = (np.arange(4000) + 0.5) / 4000
@@ -71,7 +72,7 @@ def test_a_latin_hypercube_has_one_run_in_each_stratum():
     (Choice(distribution="choice", values=[0, 10], weights=[3, 1]), 2.5, 10 * (3 / 16)**0.5),
 ])
 def test_quantiles_have_the_distribution_s_moments(distribution, mean, std):
-    values = np.array([quantile(distribution, u) for u in POINTS])
+    values = np.array([distribution.quantile(u) for u in POINTS])
     assert values.mean() == pytest.approx(mean, rel=5e-3) and values.std() == pytest.approx(std, rel=2e-2)
 
 
@@ -85,23 +86,23 @@ def test_quantiles_have_the_distribution_s_moments(distribution, mean, std):
     (Choice(distribution="choice", values=[3, 1, 2], weights=[1, 0, 3]), 2.0, 2.0, 2.0),
 ])
 def test_a_quantile_rises_with_its_probability(distribution, quarter, middle, three_quarters):
-    assert [quantile(distribution, u) for u in (0.25, 0.5, 0.75)] == pytest.approx([quarter, middle, three_quarters])
+    assert [distribution.quantile(u) for u in (0.25, 0.5, 0.75)] == pytest.approx([quarter, middle, three_quarters])
 
 
 def test_whole_numbers_are_all_equally_likely():
-    values = [quantile(Integer(distribution="integer", low=-2, high=5), u) for u in POINTS]
+    values = [Integer(distribution="integer", low=-2, high=5).quantile(u) for u in POINTS]
     assert np.array_equal(np.unique(values, return_counts=True), [range(-2, 6), [500] * 8])
-    assert [quantile(Integer(distribution="integer", low=-2, high=5), u) for u in (0.0, 1.0)] == [-2, 5]
+    assert [Integer(distribution="integer", low=-2, high=5).quantile(u) for u in (0.0, 1.0)] == [-2, 5]
     assert all(isinstance(x, float) for x in values)  # as the column of the results
 
 
 def test_a_cut_off_normal_stays_inside():
     cut = Normal(distribution="normal", mean=0, std=1, low=-1, high=0.5)
-    values = [quantile(cut, u) for u in (0.0, 1e-9, 0.5, 1 - 1e-9, 1.0)]
+    values = [cut.quantile(u) for u in (0.0, 1e-9, 0.5, 1 - 1e-9, 1.0)]
     assert values == sorted(values) and values[0] == -1 and values[-1] == 0.5
     assert values[2] == pytest.approx(-0.1889682322)
     rounded = Normal(distribution="normal", mean=2.64, std=2.68, low=-2.96, high=0.89)
-    assert quantile(rounded, 1.0) == 0.89  # not 0.8900000000000001
+    assert rounded.quantile(1.0) == 0.89  # not 0.8900000000000001
 
 
 @pytest.mark.parametrize("low,high,middle", [
@@ -111,7 +112,7 @@ def test_a_cut_off_normal_stays_inside():
 def test_a_normal_cut_off_far_from_its_mean_keeps_its_shape(low, high, middle):
     cut = Normal(distribution="normal", mean=7, std=2, low=None if low is None else 7 + 2 * low,
                  high=None if high is None else 7 + 2 * high)
-    assert (quantile(cut, 0.5) - 7) / 2 == pytest.approx(middle, abs=1e-9)
+    assert (cut.quantile(0.5) - 7) / 2 == pytest.approx(middle, abs=1e-9)
 
 
 def test_a_normal_cut_off_has_the_probabilities_of_its_density():
@@ -123,7 +124,7 @@ def test_a_normal_cut_off_has_the_probabilities_of_its_density():
         return quad(lambda t: math.exp(-(t * t - 81) / 2), 9, (x - 7) / 2)[0]
 
     for u in (0.01, 0.3, 0.9, 0.999):
-        assert below(quantile(cut, u)) / below(27) == pytest.approx(u, abs=1e-9)
+        assert below(cut.quantile(u)) / below(27) == pytest.approx(u, abs=1e-9)
 
 
 def test_a_draw_multiplies_its_nominal_value_and_a_period_becomes_a_frequency():

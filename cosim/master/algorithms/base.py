@@ -161,7 +161,8 @@ class Fixed(Even):
         if count == 0:
             ops, count, decimate = self.last_ops, 1, 1
         rows, times = experiment.recorder.room(count // decimate + 1)
-        self.master.cursor[[P.TICK, P.AT, P.ROWS]] = self.ticks, 0, 0
+        cursor = self.master.cursor
+        cursor[P.TICK], cursor[P.AT], cursor[P.ROWS] = self.ticks, 0, 0
         status = self.master.attempt(ops, self.ticks, count, experiment.start, experiment.step, rows, times, decimate)
         self.ticks = self.ticks + count if status == 0 else int(self.master.cursor[P.TICK])
         experiment.recorder.took(int(self.master.cursor[P.ROWS]))

@@ -1,0 +1,76 @@
+"""Writes the page: one file with everything in it, for `file://` as well as for a server."""
+import base64
+import hashlib
+import json
+from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+from ..master.whole_file import whole
+from ..vehicle.closed_loop import fmu_path
+from ..vehicle.registry import MODELS
+from .data import FLAVOUR, about
+
+FILES = Path(__file__).parent / "page"
+STYLES = ("uplot/uPlot.min.css", "style.css")
+SCRIPTS = {  # element -> files; the worker runs the text of the first
+    "engine": ("engine.js", "measures.js", "worker.js"),
+    "page": ("uplot/uPlot.iife.min.js", "state.js", "view.js", "decimate.js", "charts.js", "controls.js", "readout.js",
+             "main.js"),
+}
+
+
+def playground(out: Path) -> Path:
+    """Write the page to the file `out`, whose path is given back.
+
+    Raises UsageError for FMUs that are not built, ModuleNotFoundError without the compiler, RunError where the file
+    cannot be written.
+    """
+    out.parent.mkdir(parents=True, exist_ok=True)
+    with whole(out) as partial:
+        partial.write_text(page(modules()), encoding="utf-8")
+    return out
+
+
+def modules() -> dict[str, bytes]:
+    """Our FMUs as WebAssembly, by their names. Raises as `playground` does."""
+    from fmus.wasm import module
+
+    with ThreadPoolExecutor() as pool:
+        return dict(zip(MODELS, pool.map(module, [fmu_path(FLAVOUR, name) for name in MODELS])))
+
+
+def page(modules: Mapping[str, bytes]) -> str:
+    """The page as a text of HTML, with these modules. Raises UsageError for FMUs that are not built."""
+    data = {**about(), "layout": json.loads(read("layout.json")),
+            "modules": {name: base64.b64encode(content).decode() for name, content in modules.items()}}
+    style = "\n".join(map(read, STYLES))
+    scripts = {name: "\n".join(map(read, files)) for name, files in SCRIPTS.items()}
+    parts = {"policy": policy(style, scripts), "style": style, "data": embedded(data),
+             "licence": read("uplot/LICENSE"), **scripts}
+    html = read("page.html")
+    for name, text in parts.items():
+        html = html.replace(f"{{{{{name}}}}}", text)
+    return html
+
+
+def read(name: str) -> str:
+    """A file of the page."""
+    return (FILES / name).read_text(encoding="utf-8")
+
+
+def embedded(data: object) -> str:
+    """JSON that can stand in a script element, whatever its texts are."""
+    return json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
+
+
+def policy(style: str, scripts: Mapping[str, str]) -> str:
+    """What the page may do: run its own scripts and modules, and load nothing."""
+    allowed = " ".join(map(fingerprint, scripts.values()))
+    return (f"default-src 'none'; script-src {allowed} 'wasm-unsafe-eval'; worker-src blob:; "
+            f"style-src {fingerprint(style)}; img-src data:; base-uri 'none'; form-action 'none'")
+
+
+def fingerprint(text: str) -> str:
+    """How a content security policy names an element's text."""
+    return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
