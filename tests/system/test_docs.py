@@ -93,12 +93,17 @@ def test_an_empty_scenario_is_level_flight_where_the_vehicle_starts(native_fmus,
     assert json.loads(done.stdout)["velocity_error_fps"]["max_abs"] < 1e-6, done.stderr
 
 
-def test_the_campaign_of_the_page_is_one():
-    from cosim.campaign.spec import Campaign
+def test_the_campaign_of_the_page_is_one_also_with_its_own_metrics(tmp_path):
+    from cosim.campaign.plan import load
+    from cosim.vehicle.campaigns import Laws
 
-    text = re.search(r"```yaml\n(name: mass\n.*?)```", (ROOT / "docs" / "campaigns.md").read_text(), re.DOTALL)
-    assert text
-    assert Campaign.model_validate(yaml.safe_load(text[1])).runs == 200
+    page = (ROOT / "docs" / "campaigns.md").read_text()
+    first, own = (re.search(rf"```yaml\n({begin}.*?)```", page, re.DOTALL)[1] for begin in ("name: mass\n", "metrics:\n"))
+    path = tmp_path / "campaign.yaml"
+    path.write_text(first)
+    assert load(path, Laws).campaign.runs == 200
+    path.write_text(first.partition("success:")[0] + own)
+    assert list(load(path, Laws).campaign.metrics) == ["worst", "late", "share"]
 
 
 @pytest.mark.parametrize("script", ["draw_blocks", "draw_vehicle"])
