@@ -8,7 +8,6 @@ from pathlib import Path
 
 import pytest
 import typer
-import yaml
 
 from cosim.cli.app import app
 from cosim.vehicle.registry import LAWS
@@ -98,7 +97,8 @@ def test_the_campaign_of_the_page_is_one_also_with_its_own_metrics(tmp_path):
     from cosim.vehicle.campaigns import Laws
 
     page = (ROOT / "docs" / "campaigns.md").read_text()
-    first, own = (re.search(rf"```yaml\n({begin}.*?)```", page, re.DOTALL)[1] for begin in ("name: mass\n", "metrics:\n"))
+    first, own = (re.search(rf"```yaml\n({begin}\n.*?)```", page, re.DOTALL)[1]
+                  for begin in ("name: mass", "metrics:"))
     path = tmp_path / "campaign.yaml"
     path.write_text(first)
     assert load(path, Laws).campaign.runs == 200
