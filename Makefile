@@ -74,7 +74,7 @@ foreign-hosts: build
 # Our FMUs in the importers of others (1.7 GB more on disk, in .venv-peers). Writes docs/importers.md.
 peers: build $(PEERS)
 	$(BIN)/python benchmarks/importers.py
-	$(BIN)/python -m pytest --no-skips -m peers tests/system/test_importers.py
+	$(BIN)/python -m pytest --no-skips -m peers tests/system/test_importers.py tests/system/test_ecosystems.py
 
 .venv-peers/%/installed: requirements/peers/%.txt | .venv/everything
 	@echo "Installing $* into .venv-peers/$*."
@@ -96,8 +96,8 @@ oldest: setup
 	.venv-oldest/bin/ahv build
 	.venv-oldest/bin/python -m pytest -q -m 'not slow and not peers' tests/unit tests/conformance tests/system/test_cases.py
 
-# The documentation as a site, in site/; open site/index.html.
-docs: setup
+# The documentation as a site, in site/, with the playground; open site/index.html.
+docs: build
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet --strict
 
 clean:

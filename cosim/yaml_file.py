@@ -174,6 +174,8 @@ def complaint(error: Any, fields: list[str]) -> tuple[Place, str]:
         if kind == "union_tag_not_found":
             return place, f"{discriminator} is missing"
         return place, f"there is no {discriminator} {context['tag']}; there are {context['expected_tags']}"
+    if kind == "too_short":
+        return place, f"at least {error['ctx']['min_length']} must be given"
     if kind != "value_error" and not isinstance(error.get("input"), dict | list):
         message += f", not {error.get('input')!r}"
     return place, message

@@ -8,4 +8,6 @@
     store       Parquet, written during the campaign; receipt: its checksums; resume: what is there already
     statistics  probabilities, correlations         charts, report   report.html and its figures
     progress    what is said meanwhile              rerun        the command that repeats one run
+    rare        how likely a rare failure is; rare_rules, rare_flights, rare_report: its file, flights and page
+    margin      how far a run is from failing
 """

@@ -1,6 +1,7 @@
 """The report's pictures."""
 from collections.abc import Callable, Iterable, Mapping
 from functools import partial
+from textwrap import fill
 from typing import Any
 
 import numpy as np
@@ -9,14 +10,15 @@ import pyarrow.compute
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from ..text import without_math
+from .labels import Label, on_axes
 from .plan import Plan
-from .statistics import Results
+from .statistics import EXPLAINED, Results
 from .subject import Figure as Metric
 
 WIDTH = 9.0
 POINTS = 2000      # of a scatter plot
 MOST_PANELS = 24
+WRAP = 44          # characters of a line of a label
 FAILURE, SUCCESS = "#c0392b", "#2471a3"
 
 
@@ -25,11 +27,6 @@ def figure(height: float, rows: int = 1, columns: int = 1, **options: Any) -> tu
     made = Figure(figsize=(WIDTH, height), layout="constrained")
     FigureCanvasAgg(made)
     return made, made.subplots(rows, columns, squeeze=False, **options)
-
-
-def short(name: str) -> str:
-    """A draw's name on an axis."""
-    return without_math(name.removeprefix("scenario."))
 
 
 def wide(values: np.ndarray) -> bool:
@@ -124,47 +121,56 @@ def histograms(results: list[Results], metrics: Mapping[str, Metric]) -> Figure:
     return made
 
 
-def drivers(results: list[Results], draws: list[str], metric: str | None) -> Figure:
-    """Rank correlation of failure with each draw."""
+def drivers(results: list[Results], draws: list[str], metric: str | None, labels: Mapping[str, Label]) -> Figure:
+    """What failure and the metric go with: rank correlations with each draw, and what it explains of failure."""
     found = [r.drivers(draws, metric) for r in results]
     names = list(found[0])[:MOST_PANELS]
-    shown = ["failure", metric] if metric else ["failure"]
-    made, axes = figure(1.0 + 0.32 * len(names) * max(1, len(results) / 2), 1, len(shown), sharey=True)
-    for axis, what in zip(axes[0], shown):
+    with_metric = {metric: f"rank correlation with\n{metric}"} if metric else {}
+    shown = {"failure": "rank correlation\nwith failure", **with_metric,
+             EXPLAINED: "share of failure's variance\nexplained by it alone"}
+    made, axes = figure(1.4 + 0.32 * len(names) * max(1, len(results) / 2), 1, len(shown), sharey=True)
+    for axis, (what, title) in zip(axes[0], shown.items()):
         for i, (r, by_draw) in enumerate(zip(results, found)):
             at = np.arange(len(names)) + (i - (len(results) - 1) / 2) * 0.8 / len(results)
             axis.barh(at, [by_draw[n][what] for n in names], 0.8 / len(results), color=f"C{i}", label=r.law)
-        axis.set_xlim(-1, 1)
-        axis.set_xlabel(f"rank correlation with {what}", fontsize="small")
+        axis.set_xlim(0 if what == EXPLAINED else -1, 1)
+        axis.set_xticks([0, 0.5, 1] if what == EXPLAINED else [-1, -0.5, 0, 0.5, 1])
+        axis.set_title(title, fontsize="small")
+        axis.tick_params(labelsize="small")
         axis.grid(True, alpha=0.3)
-    axes[0, 0].set_yticks(range(len(names)), [short(n) for n in names], fontsize="small")
+    words = on_axes(names, labels)
+    axes[0, 0].set_yticks(range(len(names)), [fill(words[n], WRAP) for n in names], fontsize="small")
     axes[0, 0].invert_yaxis()
-    axes[0, 0].legend(fontsize="small")
+    if len(results) > 1:
+        made.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside upper center", ncols=4, fontsize="small")
     return made
 
 
-def scatter(r: Results, draws: list[str], metric: str) -> Figure:
-    """`metric` against each draw, failures apart."""
+def scatter(r: Results, draws: list[str], metric: str, labels: Mapping[str, Label], unit: str = "") -> Figure:
+    """`metric` against each draw that is a number, failures apart."""
     by_draw = r.drivers(draws, metric)
-    names = list(by_draw)[:MOST_PANELS // 2]
-    rows = -(-len(names) // 3)
-    made, axes = figure(0.4 + 2.3 * rows, rows, 3, sharey=True)
-    chosen = slice(None, POINTS)
+    names = [name for name in by_draw if name in r.columns][:MOST_PANELS // 2]
+    rows = max(1, -(-len(names) // 3))
+    made, axes = figure(0.8 + 2.3 * rows, rows, 3, sharey=True)
+    chosen, words = slice(None, POINTS), on_axes(names, labels)
     y, success = r.columns[metric][chosen], r.columns["success"][chosen].astype(bool)
     for axis, name in zip(axes.flat, names):
         x = r.columns[name][chosen]
         axis.plot(x[~success], y[~success], ".", ms=3, alpha=0.5, color=FAILURE, label="failure")
         axis.plot(x[success], y[success], ".", ms=3, alpha=0.5, color=SUCCESS, label="success")
-        axis.set_xlabel(short(name), fontsize="small")
-        axis.set_title(f"with failure {by_draw[name]['failure']:+.2f}", fontsize="small")
+        axis.set_xlabel(fill(words[name], WRAP), fontsize="small")
+        axis.set_title(f"rank correlation with failure: {by_draw[name]['failure']:.2f}".replace("-", "\N{MINUS SIGN}"),
+                       fontsize="small")
+        axis.tick_params(labelsize="small")
         axis.grid(True, alpha=0.3)
         if wide(y):
             axis.set_yscale("log")
     for axis in axes.flat[len(names):]:
         axis.set_visible(False)
-    axes[0, 0].legend(fontsize="small", loc="upper right")
+    made.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside upper center", ncols=2, fontsize="small",
+                markerscale=3)
     for axis in axes[:, 0]:
-        axis.set_ylabel(metric, fontsize="small")
+        axis.set_ylabel(f"{metric} ({unit})" if unit else metric, fontsize="small")
     return made
 
 
@@ -178,7 +184,8 @@ def every(plan: Plan, results: list[Results], errors: pa.Table, draws: list[str]
         labels = {name: label for name, (label, _) in subject.over_time.items()}
         made["envelopes"] = lambda: envelopes(results, errors, labels, subject.start, subject.stop)
     if results[0].drivers(draws, metric):
-        made["drivers"] = lambda: drivers(results, draws, metric)
+        made["drivers"] = lambda: drivers(results, draws, metric, plan.labels)
         if metric is not None:
-            made |= {f"scatter_{r.law}": partial(scatter, r, draws, metric) for r in results}
+            made |= {f"scatter_{r.law}": partial(scatter, r, draws, metric, plan.labels, plan.metrics[metric].unit)
+                     for r in results}
     return made

@@ -8,7 +8,7 @@ from ..errors import UsageError, did_you_mean
 from ..master.course import Course
 from ..master.evaluate import NUMBER, TRUTH, Courses
 from ..master.flight import Flight
-from ..master.measures import check, parse, values
+from ..master.measures import check, parse, shown, values
 from ..yaml_file import Source
 from .spec import Campaign
 from .subject import Measure, Subject
@@ -29,6 +29,9 @@ def check_measures(source: Source, campaign: Campaign, subject: Subject, signals
             if name in known or name in taken:
                 kind = "metric" if name in known else "column or a signal"
                 raise UsageError(f"there is a {kind} of this name already")
+            later = [word for word in parse(text).names if word in campaign.metrics and word not in known]
+            if later:
+                raise UsageError(f"'{shown(text)}': {later[0]} is no metric yet: a metric may name those above it")
             check(parse(text), signals, known, NUMBER)
         known.append(name)
     for name, text in campaign.success.items():

@@ -62,7 +62,7 @@ class Uniform(Distribution):
     distribution: Literal["uniform"]
     low: Finite
     high: Finite
-    points: Annotated[Whole, Field(ge=2, le=1_000_000)] | None = None
+    points: Annotated[Whole, Field(ge=2, le=100_000)] | None = None
 
     @model_validator(mode="after")
     def checked(self) -> "Uniform":

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from ..text import without_math
 from .dispersions import Fmus
 
-LONGEST = 48  # characters of a description that an axis has room for
+LONGEST = 60  # characters of a description that an axis has room for
 
 
 @dataclass(frozen=True)
@@ -16,6 +16,10 @@ class Label:
     unit: str = ""
     description: str = ""
 
+    @property
+    def said(self) -> str:
+        """All of it in a line."""
+        return ", ".join(filter(None, (f"{self.name} ({self.unit})" if self.unit else self.name, self.description)))
 
 
 def labels_of(names: Iterable[str], files: Fmus) -> dict[str, Label]:
@@ -29,10 +33,17 @@ def labels_of(names: Iterable[str], files: Fmus) -> dict[str, Label]:
     return found
 
 
+def of_difference(name: str) -> Label:
+    """Of a difference of two phases, as `statistics.with_differences` calls it."""
+    first, second = (part.rpartition(".")[2].removesuffix("_sine_phase") for part in name.split(" - "))
+    return Label(name, "rad", f"{first}, {second}: difference of the phases")
+
+
 def on_axes(names: Iterable[str], labels: Mapping[str, Label]) -> dict[str, str]:
     """What stands on an axis for each name: the FMU's description where it is short and no other's, else the name; with
     the unit. For matplotlib."""
-    found = {name: labels.get(name, Label(name)) for name in names}
+    found = {name: labels[name] if name in labels else of_difference(name) if " - " in name else Label(name)
+             for name in names}
     said = Counter(label.description for label in found.values())
     words = {name: label.description if 0 < len(label.description) <= LONGEST and said[label.description] == 1 else name
              for name, label in found.items()}

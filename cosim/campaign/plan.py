@@ -87,7 +87,7 @@ class Plan:
     fmus: dict[str, Path]                 # SHA256/FILE.fmu -> the file
     fingerprint: dict[str, Any]           # what determines the rows
     runs_per_task: int
-    labels: dict[str, Label]              # of the draws
+    labels: dict[str, Label]              # of what is drawn and what is recorded
 
     @property
     def path(self) -> Path:
@@ -159,11 +159,15 @@ def read(source: Source, *subjects: type[Subject]) -> tuple[Campaign, type[Subje
             source.fail((), f"{' or '.join(kind.field for kind in kinds)} is missing")
     bases: tuple[Any, ...] = (Campaign, subject.fields)
     model: type[Campaign] = create_model("CampaignFile", __base__=bases)
-    return source.load(model), subject
+    campaign = source.load(model)
+    for name, why in campaign.out_of_place():
+        source.fail((name,), why)
+    return campaign, subject
 
 
 def make(campaign: Campaign, source: Source, kind: type[Subject]) -> Plan:
     """The plan of a campaign. Raises UsageError, with line and field, for what does not fit the FMUs."""
+    check_stop_when(source, campaign)
     subject = kind(campaign, source)
     with source.at(next((name for name in ("stop", "start", "step") if name in source.data), subject.field)):
         ticks = tick_count(subject.step, subject.stop, subject.start)
@@ -179,9 +183,9 @@ def make(campaign: Campaign, source: Source, kind: type[Subject]) -> Plan:
             driven = check_values(source, campaign, subject, variant, system, files)
             samples = samples or opened(source, campaign, files)
             draws[variant] = all_draws(source, campaign, system, files, driven, samples)
-            labels.update(labels_of((d.name for d in draws[variant]), files))
             signals |= recorded_names(system, dict(files), ["*"])
             record[variant] = recorded(source, campaign, subject, system, files)
+            labels |= labels_of([*(d.name for d in draws[variant]), *record[variant]], files)
             fixed = constants(source, campaign, files)
             system = with_values(system, fixed)
             stored = {c.name: f"{files[c.name].sha256}/{c.fmu.name}" for c in system.components}

@@ -8,7 +8,7 @@ most 0. Both methods go there by levels. The tenth of a level's runs with the le
     cross-entropy       a normal distribution is fitted to what lies below the threshold (Rubinstein and Kroese, 2004);
                         the last level's failures are weighted by the ratio of the two densities
 
-The algorithms are OpenTURNS's. Coefficients of variation are computed here: for subset simulation OpenTURNS 1.27 leaves
+The algorithms are OpenTURNS's. Coefficients of variation are computed here: of subset simulation OpenTURNS 1.27 leaves
 out what the first level contributes.
 """
 import math
@@ -121,7 +121,7 @@ class Watched:
             raise NotReached(f"a tenth of the runs of two levels has one and the same margin, {last[0]:.6g}, so that "
                              "it does not lead to a failure")
         if number >= self.rare.most_levels:
-            raise NotReached(f"{self.rare.most_levels} levels did not reach a failure")
+            raise NotReached(f"no failure was reached within most_levels = {self.rare.most_levels}")
 
     def stopped(self) -> bool:
         """Whether the algorithm must end."""
@@ -153,24 +153,30 @@ def estimate(rare: Rare, dimensions: int, seed: int, margins: Margins) -> Estima
     algorithm.setMaximumOuterSampling(rare.runs_per_level // block(rare))
     stopped = watched.stopped  # OpenTURNS does not keep it alive
     algorithm.setStopCallback(stopped)
+    reason = ran(algorithm, seed)
+    if watched.error is not None and not isinstance(watched.error, NotReached):
+        raise watched.error
+    thresholds = algorithm.getThresholdPerStep()
+    if watched.error is None and subset and len(thresholds) and thresholds[-1] == 0:
+        reason = ""  # OpenTURNS 1.27 finds a negative variance where all of the last level failed
+    reason = str(watched.error or reason or stuck(watched, thresholds[-1]))
+    return (by_subsets if subset else by_weights)(watched, algorithm, reason)
+
+
+def ran(algorithm: Any, seed: int) -> str:
+    """Run it with random numbers of its own; what OpenTURNS says is wrong, or nothing."""
+    ot = library()
     state, shown = ot.RandomGenerator.GetState(), ot.Log.Flags()
     ot.Log.Show(ot.Log.NONE)
     try:
         ot.RandomGenerator.SetSeed(seed % 2**32)
         algorithm.run()
-    except (RuntimeError, TypeError, ValueError) as fault:  # of OpenTURNS, whatever it was
-        reason = str(fault)
-    else:
-        reason = ""
+    except (RuntimeError, TypeError, ValueError) as fault:
+        return str(fault)
     finally:
         ot.RandomGenerator.SetState(state)
         ot.Log.Show(shown)
-    if watched.error is not None and not isinstance(watched.error, NotReached):
-        raise watched.error
-    reason = str(watched.error or reason)
-    if not reason:
-        reason = stuck(watched, algorithm.getThresholdPerStep()[-1])
-    return (by_subsets if subset else by_weights)(watched, algorithm, reason)
+    return ""
 
 
 def stuck(watched: Watched, threshold: float) -> str:
@@ -193,8 +199,8 @@ def by_subsets(watched: Watched, algorithm: Any, reason: str) -> Estimate:
                    for i, (t, p) in enumerate(zip(algorithm.getThresholdPerStep(), below)))
     if reason:
         return Estimate(None, None, None, levels, runs, reason, watched.points, watched.found)
-    shares = below / np.array([1.0, *below[:-1]])
-    correlated = 1 + np.maximum(np.array(algorithm.getGammaPerStep()), 0.0)
+    shares = np.minimum(below / np.array([1.0, *below[:-1]]), 1.0)
+    correlated = 1 + np.nan_to_num(np.maximum(np.array(algorithm.getGammaPerStep()), 0.0))
     parts = np.sqrt((1 - shares) / (shares * size) * correlated)
     return Estimate(float(below[-1]), float(np.sqrt((parts**2).sum())), float(parts.sum()), levels, runs, "",
                     watched.points, watched.found)

@@ -5,10 +5,12 @@ from collections.abc import Iterable
 from html import escape
 from typing import Any
 
+import pyarrow as pa
 import pyarrow.parquet as pq
 
 from ..master.whole_file import whole
 from . import charts, grid
+from .curves import Curves
 from .front import stopping
 from .plan import Plan
 from .rerun import command
@@ -24,8 +26,10 @@ th, td { padding: .25em .8em; text-align: right; border-bottom: 1px solid #ddd; 
 th:first-child, td:first-child { text-align: left; }
 img { width: 100%; height: auto; }
 pre { background: #f4f4f4; padding: .5em; font-size: 12px; white-space: pre-wrap; overflow-wrap: anywhere; margin: 0; }
-.commands td, .commands th { text-align: left; font-size: 14px; }
+.commands td, .commands th, .words td, .words th { text-align: left; font-size: 14px; }
 .note { color: #555; }
+.curves { display: flex; flex-wrap: wrap; gap: 1em; } .curves figure { margin: 0; width: 220px; font-size: 12px; }
+.curves polyline { fill: none; stroke: #2471a3; stroke-width: 1.2; } summary { cursor: pointer; }
 """
 MOST_LISTED = 12  # values of a distribution
 EXPLAINED = {
@@ -34,9 +38,12 @@ EXPLAINED = {
     "envelopes": ("{drawn[0]}", "{drawn[1]}, of the first {envelope} runs of each {noun} at most: at "
                   "each time over the runs that still fly then, so curves calm down as failures leave."),
     "histograms": ("How far off", "All judged runs, failures too, each as far as it flew."),
-    "drivers": ("What drives the failures", "Spearman's rank correlation of failure (0 or 1), and of {metric}, with "
-                "each dispersion, over the judged runs. A phase has no order: its bar is the multiple correlation "
-                "with sine and cosine, never negative; differences of two phases stand beside the phases."),
+    "drivers": ("What drives the failures", "Over the judged runs, the strongest first. Left: Spearman's "
+                "rank correlation of failure (0 or 1) with each draw{and_metric}. A phase and words have no order: "
+                "their bar is the multiple correlation, never negative; differences of two phases stand beside the "
+                "phases. Right: the share of failure's variance that the draw explains by itself (Sobol's index of "
+                "first order), also where both small and large values fail. What the shares lack to 1 is due to draws "
+                "that act together. Draws that are correlated share what they explain."),
     "scatter": ("{metric} against each dispersion, {law}", "The first {points} judged runs at most; the "
                 "twelve strongest."),
     "sweep": ("{law}", "Over the grid. A cross is a run that was no success; a grey cell of a map has no value. The "
@@ -73,16 +80,19 @@ def write(store: Store) -> dict[str, Any]:
         with whole(path) as partial:
             draw().savefig(partial, dpi=110, format="png")
         pictures[name] = path.read_bytes()
+    listed = {row["run"] for r in results for row in (*r.worst(metric), *first_of(r.others))}
     with whole(folder / "report.html") as partial:
-        partial.write_text(page(plan, summary, results, pictures))
+        partial.write_text(page(plan, summary, results, pictures, Curves(store, errors, listed)))
     return {**summary, "report": str(folder / "report.html")}
 
 
-def page(plan: Plan, summary: dict[str, Any], results: list[Results], pictures: dict[str, bytes]) -> str:
+def page(plan: Plan, summary: dict[str, Any], results: list[Results], pictures: dict[str, bytes],
+         curves: Curves) -> str:
     """report.html."""
     campaign = plan.campaign
-    names = {"envelope": min(results[0].runs, 2000), "metric": plan.worst_by, "noun": plan.subject.noun,
-             "drawn": plan.subject.drawn, "points": charts.POINTS, "interval": summary["interval"]}
+    names = {"envelope": min(results[0].runs, 2000), "metric": plan.worst_by, "points": charts.POINTS,
+             "and_metric": f"; in the middle, of {plan.worst_by}" if plan.worst_by else "",
+             "noun": plan.subject.noun, "drawn": plan.subject.drawn, "interval": summary["interval"]}
     parts = [f"<h1>Campaign {escape(campaign.name)}</h1>", introduction(plan), ended(plan, summary),
              side_by_side(plan, summary)]
     for name, png in pictures.items():
@@ -94,8 +104,8 @@ def page(plan: Plan, summary: dict[str, Any], results: list[Results], pictures: 
     if "grid" in summary:
         parts.append("<h2>Least and greatest</h2>" + table([plan.subject.noun, "metric", "least", "greatest"],
                                                            grid.table_rows(plan, summary["grid"])))
-    parts += [worst(plan, r) for r in results]
-    parts += [not_judged(plan, r) for r in results if r.others.num_rows]
+    parts += [worst(plan, r, curves) for r in results]
+    parts += [not_judged(plan, r, curves) for r in results if r.others.num_rows]
     return ("<!doctype html><html lang=en><head><meta charset=utf-8><meta name=viewport content='width=device-width'>"
             f"<link rel=icon href='data:,'><title>Campaign {escape(campaign.name)}</title><style>{STYLE}</style></head>"
             f"<body>{''.join(parts)}</body></html>\n")
@@ -107,18 +117,20 @@ def introduction(plan: Plan) -> str:
     own = listed(f"{escape(name)}: <code>{escape(text)}</code>" for name, text in campaign.metrics.items())
     success = listed(f"{escape(name)}: <code>{escape(text)}</code>" for name, text in campaign.success.items())
     rows = [[d.name if d.targets == (d.name,) else f"{d.name} (also {', '.join(d.targets[1:])})",
+             plan.labels[d.name].description, plan.labels[d.name].unit,
              fields_text(d.distribution.model_dump(exclude={"also", "relative"}, exclude_none=True))
              + (f", times the nominal {d.factor:g}" if d.factor is not None else "")
              + (", as a period in s" if d.period else "")] for d in plan.draws[plan.laws[0]]]
     sampling = escape(f"{campaign.samples}, and {campaign.sampling}" if campaign.samples else campaign.sampling)
     correlated = listed(escape(fields_text(group.model_dump(exclude_none=True))) for group in campaign.correlations)
-    most = "At most " if campaign.stop_when else ""
+    most = "At most " if campaign.stop_when or campaign.rare else ""
+    sampling = campaign.rare.method if campaign.rare else campaign.sampling
     return (f"<p>{most}{campaign.runs:,} runs of {escape(subject.name)} ({subject.stop - subject.start:g} s in steps "
             f"of {subject.step:g} s) for each {subject.noun}, seed {campaign.seed}, sampling {sampling}"
             f"{escape(subject.remark)}.</p>"
             f"{f'<p>Metrics of this campaign:</p>{own}' if campaign.metrics else ''}"
             f"<p>A run is a success if it reaches the end and</p>{success}"
-            f"<details><summary>What is uncertain</summary>{table(['drawn', 'from'], rows)}"
+            f"<details><summary>What is uncertain</summary>{table(['drawn', 'meaning', 'unit', 'from'], rows, 'words')}"
             f"{f'<p>Correlated:</p>{correlated}' if campaign.correlations else ''}</details>")
 
 
@@ -174,13 +186,20 @@ def side_by_side(plan: Plan, summary: dict[str, Any]) -> str:
         *([status, *(f"{x['statuses'].get(status, 0):,}" for x in found.values())] for status in statuses)]
     for name in plan.headlines:
         for key in ("median", "p95"):
-            rows.append([f"{name}, {key}", *(x["metrics"].get(name, {}).get(key, "") for x in found.values())])
+            rows.append([f"{with_unit(plan, name)}, {key}",
+                         *(x["metrics"].get(name, {}).get(key, "") for x in found.values())])
     pairs = "".join(f"<p>{escape(both)} on the same draws: {escape(counts_text(counts))}.</p>"
                     for both, counts in summary["paired"].items())
     return (f"<h2>The {noun}s side by side</h2><p class=note>Runs that finished or departed are judged. A run that "
             f"could not start, took too long or crashed is a failure of the machinery: it says nothing of the {noun}."
             "</p>"
             + table(["", *found], rows) + pairs)
+
+
+def with_unit(plan: Plan, metric: str) -> str:
+    """A metric's name, with its unit where it has one."""
+    unit = plan.metrics[metric].unit
+    return f"{metric} ({unit})" if unit else metric
 
 
 def percent(share: float | None) -> str:
@@ -193,25 +212,32 @@ def counts_text(counts: dict[str, int]) -> str:
     return ", ".join(f"{name} {count:,}" for name, count in counts.items())
 
 
-def worst(plan: Plan, r: Results) -> str:
+def worst(plan: Plan, r: Results, curves: Curves) -> str:
     """The ten worst of a law's judged runs."""
     return (f"<h2>The worst ten, {escape(r.law)}</h2><p class=note>What did not reach the end, the earliest first; "
             f"then {f'by {escape(plan.worst_by)}' if plan.worst_by else 'what was no success'}. "
             "Each command repeats its run.</p>"
-            + commands(plan, r.worst(plan.worst_by)))
+            + commands(plan, r.worst(plan.worst_by), curves))
 
 
-def not_judged(plan: Plan, r: Results) -> str:
+def not_judged(plan: Plan, r: Results, curves: Curves) -> str:
     """The first ten failures of the machinery."""
     return (f"<h2>Failures of the machinery, {escape(r.law)}</h2><p class=note>The first ten of {r.others.num_rows:,}. "
-            "Each command repeats its run.</p>" + commands(plan, r.others.slice(0, 10).to_pylist()))
+            "Each command repeats its run.</p>" + commands(plan, first_of(r.others), curves))
 
 
-def commands(plan: Plan, runs: list[dict[str, Any]]) -> str:
-    """Runs with how they ended, and the command that repeats each."""
+def first_of(table: pa.Table) -> list[dict[str, Any]]:
+    """The first ten rows."""
+    return list(table.slice(0, 10).to_pylist())
+
+
+def commands(plan: Plan, runs: list[dict[str, Any]], curves: Curves | None = None) -> str:
+    """Runs with how they ended, the command that repeats each, and below that its curves, as far as they were kept."""
     by, rows = plan.worst_by, []
     for row in runs:
         ended = f"{row['status']}: {row['message']}" if row["message"] else row["status"]
         shown = [] if by is None else ["" if row[by] is None else float(row[by])]
-        rows.append([str(row["run"]), ended, *shown, f"<pre>{escape(command(plan, row))}</pre>"])
-    return table(["run", "ended", *([by] if by else []), "command"], rows, "commands")
+        pictures = curves.of(row["run"], row[plan.subject.column]) if curves else ""
+        opened = f"<details><summary>curves</summary><div class=curves>{pictures}</div></details>" if pictures else ""
+        rows.append([str(row["run"]), ended, *shown, f"<pre>{escape(command(plan, row))}</pre>{opened}"])
+    return table(["run", "ended", *([with_unit(plan, by)] if by else []), "command"], rows, "commands")

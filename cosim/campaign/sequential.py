@@ -24,7 +24,7 @@ from dataclasses import dataclass
 import numpy as np
 
 FIRST_LOOK, PART = 10, 50  # each look comes a 50th of the runs after the last
-HALVINGS = 60
+HALVINGS = 50
 
 
 @dataclass(frozen=True)
@@ -63,6 +63,10 @@ class Sequence:
 
     def narrow(self, successes: int, runs: int, confidence: float) -> bool:
         """Whether the interval is as narrow as was asked for."""
+        around = successes / max(runs, 1) + 2 * self.half_width * np.array([-1.0, 1.0])
+        around = around[(around > 0) & (around < 1)]
+        if np.any(self.log_ratio(around, np.array(successes), np.array(runs)) <= -np.log1p(-confidence)):
+            return False  # at little cost: one of these is in the interval
         low, high = self.interval(successes, runs, confidence)
         return (high - low) / 2 <= self.half_width
 

@@ -1,5 +1,7 @@
 """The campaign file's models. `docs/campaigns.md` says it in words."""
 import math
+import re
+from collections.abc import Iterator
 from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, Field, field_validator, model_validator
@@ -23,7 +25,17 @@ from .distributions import (
 )
 
 Readable = Annotated[str, AfterValidator(lambda text: parse(text).text)]  # an expression
-MetricName = Annotated[str, Field(pattern=r"^[^\W\d]\w*(\.[^\W\d]\w*)*$")]
+
+
+def metric_name(text: str) -> str:
+    """`text` itself. Raises ValueError if it is no name that expressions can have without quotes."""
+    if not re.fullmatch(r"[^\W\d]\w*(\.[^\W\d]\w*)*", text):
+        raise ValueError(f"{text!r} is no name for a metric: it must have letters, digits and _, begin with a letter "
+                         "or _, and may have dots between such words")
+    return text
+
+
+MetricName = Annotated[str, AfterValidator(metric_name)]
 Name = Annotated[str, Field(pattern=r"^\w+\.[^\s=]+$")]  # component.variable
 
 
@@ -196,17 +208,22 @@ class Campaign(Named):
                                (not self.success and not grid, "success")):
             if missing:
                 raise ValueError(f"{field} is missing")
-        if self.rare and own:
-            raise ValueError("rare chooses its own points: samples does not belong here")
-        if grid and (own or self.correlations):
-            raise ValueError(f"a grid takes no {'samples' if own else 'correlations'}")
         return self
+
+    def out_of_place(self) -> Iterator[tuple[str, str]]:
+        """Fields that do not fit others, and why."""
+        if self.rare and self.samples is not None:
+            yield "samples", "rare chooses its own points: samples does not belong here"
+        if self.sampling == "grid" and self.samples is not None:
+            yield "samples", "a grid takes no samples"
+        if self.sampling == "grid" and self.correlations:
+            yield "correlations", "a grid takes no correlations"
 
     @model_validator(mode="before")
     @classmethod
     def runs_of_levels(cls, given: Any) -> Any:
         """Runs that the levels make at most, where the file says none."""
-        if not isinstance(given, dict) or not isinstance(given.get("rare"), dict) or "runs" in given:
+        if not isinstance(given, dict) or given.get("rare") is None or "runs" in given:
             return given
         try:
             return {**given, "runs": Rare.model_validate(given["rare"]).most_runs}

@@ -11,6 +11,7 @@ import pyarrow.compute
 from .sequential import Sequence
 
 MOST_PHASES = 6
+EXPLAINED = "failure_explained"  # in report.json
 FEWEST, MOST_GROUPS = 30, 20  # runs that are grouped, and groups of them
 JUDGED = ("finished", "departed")  # statuses that say something of the law; the others are failures of the machinery
 
@@ -44,10 +45,14 @@ def interval(successes: int, runs: int) -> tuple[float, float]:
 def rank_correlation(name: str, x: np.ndarray, y: np.ndarray) -> float:
     """Spearman's; for a phase, which has no order, the multiple correlation of y's ranks with its sine and cosine.
 
-    0 where x or y does not vary, or fewer than three pairs are finite.
+    For words, which have none either, the root of the share of the ranks' variance that they explain. 0 where x or y
+    does not vary, or fewer than three pairs are finite.
     """
     from scipy.stats import rankdata, spearmanr
 
+    if x.dtype.kind != "f":
+        ok = np.isfinite(y)
+        return float(explained(x[ok], rankdata(y[ok])) ** 0.5)
     ok = np.isfinite(x) & np.isfinite(y)
     x, y = x[ok], y[ok]
     if ok.sum() < 3 or np.ptp(x) == 0 or np.ptp(y) == 0:
@@ -144,14 +149,19 @@ class Results:
         return {c["values"]: c["counts"] for c in sorted(counts, key=lambda c: str(c["values"]))}
 
     def drivers(self, draws: list[str], metric: str | None) -> dict[str, dict[str, float]]:
-        """Rank correlations of failure, and of `metric`, with each draw that is a number; the strongest first."""
+        """Of each draw its rank correlations with failure and with `metric`, and the share of failure's variance that
+        it explains by itself (EXPLAINED); the strongest first."""
         judged = {"failure": (~self.columns["success"].astype(bool)).astype(float)}
         if metric is not None:
             judged[metric] = self.columns[metric]
-        found = {name: {what: rank_correlation(name, self.columns[name].astype(float), values)
-                        for what, values in judged.items()} for name in draws if name in self.columns}
-        return dict(sorted(found.items(), key=lambda item: -abs(item[1]["failure"]) - 1e-3 * abs(
-            item[1].get(metric or "failure", 0.0))))
+        found = {}
+        for name in (d for d in draws if d in self.table.column_names):
+            words = name not in self.columns
+            x = np.array(self.table[name].to_pylist(), str) if words else self.columns[name].astype(float)
+            found[name] = {**{what: rank_correlation(name, x, values) for what, values in judged.items()},
+                           EXPLAINED: explained(x, judged["failure"])}
+        return dict(sorted(found.items(), key=lambda item: -max(abs(item[1]["failure"]), item[1][EXPLAINED] ** 0.5)
+                           - 1e-3 * abs(item[1].get(metric or "failure", 0.0))))
 
     def worst(self, metric: str | None, count: int = 10) -> list[dict[str, Any]]:
         """Rows: those that did not end first, by how early that was, then by `metric`, if there is one."""

@@ -30,7 +30,8 @@ def fit(
                       "noise level; else all columns that are signals. Can be repeated.")] = [],  # noqa: B006
     set_: Annotated[list[str], typer.Option("--set", metavar="[FILE:]COMPONENT.VARIABLE=VALUE", help="Set a value in "
                     "all flights, or in that of FILE. Can be repeated.")] = [],  # noqa: B006
-    starts: Annotated[int, typer.Option(help="Points that the search begins at; the best end counts.", min=1)] = 1,
+    starts: Annotated[int, typer.Option(help="Points that the search begins at; the best end counts.", min=1,
+                                         max=10_000)] = 1,
     seed: Annotated[int, typer.Option(help="Of the points' draw.", min=0)] = 1,
     controller: Controller = "neural",
     preset: Preset = None,

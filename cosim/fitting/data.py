@@ -1,6 +1,7 @@
 """Measured flights: tables whose columns drive inputs of the system, or are compared with its signals."""
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from math import inf
 from pathlib import Path
 
@@ -43,13 +44,15 @@ class Known:
         return {f"{c}.{n}": v.causality for c, file in self.files.items() for n, v in file.variables.items()
                 if v.family in NUMERIC and v.causality in causalities}
 
+    @cached_property
     def driven(self) -> set[str]:
         """The inputs that nothing feeds."""
         return set(self.numeric(["input"])) - set(self.targets)
 
+    @cached_property
     def compared(self) -> set[str]:
         """The signals that can be compared."""
-        return set(self.numeric(SIGNALS)) - self.driven()
+        return set(self.numeric(SIGNALS)) - self.driven
 
     def shown(self, names: Iterable[str]) -> list[str]:
         """Names as the user says them."""
@@ -83,13 +86,13 @@ def noise_levels(words: Iterable[str], known: Known) -> dict[str, float | None]:
     for word in words:
         name, colon, level = word.rpartition(":")
         full = known.full(name if colon else word)
-        if known.full(word) in known.compared():
+        if known.full(word) in known.compared:
             full, level = known.full(word), ""
-        if full in known.driven():
+        if full in known.driven:
             raise UsageError(f"--signal {word}: {full} is an input that nothing feeds; the data drive it.")
-        if full not in known.compared():
+        if full not in known.compared:
             raise UsageError(f"--signal {word}: there is no such signal"
-                             f"{did_you_mean(name if colon else word, known.shown(known.compared()))}")
+                             f"{did_you_mean(name if colon else word, known.shown(known.compared))}")
         if full in found:
             raise UsageError(f"--signal {word}: {full} is named twice.")
         try:
@@ -119,16 +122,19 @@ def read_flight(file: str, known: Known, chosen: Iterable[str], start: float) ->
     wanted, signals, inputs, remarks = set(chosen), {}, {}, []
     for column, values in table.values.items():
         full = known.full(column)
-        if full in known.driven():
+        if full in known.driven:
             inputs[full] = filled(values, full, file, known)
-        elif full not in known.compared():
+        elif full not in known.compared:
             remarks.append(left_out(file, column, full, known))
         elif (not wanted or full in wanted) and np.isfinite(values).any():
             signals[full] = values
+    if table.times[0] - start > table.times[-1] - table.times[0]:
+        remarks.append(f"{file} begins at {table.times[0]:g} s, long after the flight, which begins at {start:g} s; "
+                       f"--start sets another.")
     if not signals:
         first = next(column for column in table.values)
         which = f"one of {', '.join(known.shown(sorted(wanted)))}" if wanted else "a signal of the system with a value"
-        near = did_you_mean(first, known.shown(sorted(known.compared()))) if not wanted else "."
+        near = did_you_mean(first, known.shown(sorted(known.compared))) if not wanted else "."
         raise UsageError(f"{file}: no column is {which}; its columns are {', '.join(table.values)}{near}")
     driving = replace(table, values=inputs) if inputs else None
     if driving:
@@ -141,7 +147,7 @@ def left_out(file: str, column: str, full: str, known: Known) -> str:
     if full in known.numeric(["parameter", "calculatedParameter", "structuralParameter"]):
         return f"{file}: {column} is a parameter and no signal; it is left out. --set {file}:{column}=VALUE sets it."
     return (f"{file}: {column or 'a column without a name'} is no signal of the system and is left out"
-            f"{did_you_mean(column, known.shown(sorted(known.compared() | known.driven())))}")
+            f"{did_you_mean(column, known.shown(sorted(known.compared | known.driven)))}")
 
 
 def filled(values: np.ndarray, name: str, file: str, known: Known) -> np.ndarray:

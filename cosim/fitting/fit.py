@@ -13,7 +13,7 @@ from ..master.connections import checked_connections
 from ..master.fly import tick_count
 from ..master.fmu import FmuFile
 from ..master.loaded import open_files
-from ..master.system import System
+from ..master.system import System, Value
 from ..master.wiring import Signal, signal
 from ..systems.load import Loaded
 from ..systems.words import assigned, experiment
@@ -21,7 +21,7 @@ from .certainty import CONFIDENCE, Certainty, certainty
 from .data import Known, Measured, noise_levels, owner, read_flight
 from .flown import Plan, Plans, flying, with_values
 from .parameters import Parameter, check_apart, parameter
-from .search import Found, Problem, Rows, search, starts
+from .search import Fly, Found, Problem, Rows, search, starts
 
 ALGORITHM = "gauss-seidel"
 Tell = Callable[[str], None]
@@ -103,9 +103,7 @@ def asked(subject: Subject, data: Sequence[str], parameters: Sequence[str], sign
     words = [[*(word for place, word in owned if place is None), *mine] for mine in own]
     systems = [subject.build(mine) for mine in words]
     with open_files(systems[0]) as files:
-        systems = [replace(system, components=tuple(c.with_values(
-            {name: files[c.name].checked(name, value, c.name) for name, value in c.values.items()})
-            for c in system.components)) for system in systems]
+        systems = typed(systems, files)
         known = Known(files, checked_connections(systems[0], files), found.alone)
         levels = noise_levels(signals, known)
         begin = found.system.start if start is None else start
@@ -129,6 +127,20 @@ def asked(subject: Subject, data: Sequence[str], parameters: Sequence[str], sign
                  Plans(plans, algorithm or found.algorithm or ALGORITHM, size, begin,
                        found.tolerance if tolerance is None else tolerance, time_limit),
                  [*remarks, *found.remarks, *(text for one in measured for text in one.remarks)])
+
+
+def typed(systems: list[System], files: dict[str, FmuFile]) -> list[System]:
+    """The systems with values in their variables' types; of values that are alike one object, which a master that is
+    reset then knows. Raises UsageError for a value that does not fit."""
+    known: dict[tuple[str, str, Value], Value] = {}
+    for system in systems:
+        for c in system.components:
+            for name, value in c.values.items():
+                if (c.name, name, value) not in known:
+                    known[c.name, name, value] = files[c.name].checked(name, value, c.name)
+    return [replace(system, components=tuple(
+        c.with_values({name: known[c.name, name, value] for name, value in c.values.items()})
+        for c in system.components)) for system in systems]
 
 
 def about_signal(name: str, files: dict[str, FmuFile]) -> Signal:
@@ -162,16 +174,21 @@ def fit(subject: Subject, data: Sequence[str], parameters: Sequence[str], signal
     request = asked(subject, data, parameters, signals, values, start, step, algorithm, tolerance, time_limit)
     for remark in request.remarks:
         tell(remark)
-    rows, first = request.rows, np.array([p.start for p in request.parameters])
     with flying(request.plans, workers) as fly:
-        problem = Problem(request.parameters, rows, request.levels, fly, tell)
-        before = problem.shown([first])[0]
-        if np.isnan(before).all():
-            raise RunError(problem.lost[0])
-        found = [search(problem, point) for point in starts(request.parameters, begin_at, seed)]
-        best = min(found, key=lambda one: one.cost)
-        ended = [one.message for one in problem.flights([best.point])[0]]
-        after = problem.shown([best.point])[0]
+        return solved(request, fly, begin_at, seed, tell)
+
+
+def solved(request: Asked, fly: Fly, begin_at: int = 1, seed: int = 1, tell: Tell = lambda line: None) -> Fit:
+    """The fit of a checked request, whose flights `fly` flies; see `fit`. Raises RunError if none begins."""
+    rows, first = request.rows, np.array([p.start for p in request.parameters])
+    problem = Problem(request.parameters, rows, request.levels, fly, tell)
+    before = problem.shown([first])[0]
+    if np.isnan(before).all():
+        raise RunError(problem.lost[0])
+    found = [search(problem, point) for point in starts(request.parameters, begin_at, seed)]
+    best = min(found, key=lambda one: one.cost)
+    ended = [one.message for one in problem.flights([best.point])[0]]
+    after = problem.shown([best.point])[0]
     sure = certainty(request.parameters, best, rows, list(request.signals), list(np.isfinite(request.levels)))
     summary = told(request, rows, before, after, found, best, sure, problem)
     low, high = best.point - sure.half_widths, best.point + sure.half_widths

@@ -21,6 +21,7 @@ from ..master.system import System
 from ..master.table import Table
 from ..processes import PARENT_DEATH, prctl
 
+LONGEST_S = 1e6
 ENDLESS = 1e100  # a value that counts as infinite: the square of what is less is a number
 Trial = tuple[int, dict[str, float]]  # the flight's place, and component.variable -> value
 
@@ -159,7 +160,7 @@ def flown_here(trial: Trial) -> Shown:
     """One flight in a worker process; one that takes too long ends the process."""
     limit = BENCH[0].plans.time_limit
     if limit is not None:
-        faulthandler.dump_traceback_later(limit, exit=True, file=NOWHERE)
+        faulthandler.dump_traceback_later(min(limit, LONGEST_S), exit=True, file=NOWHERE)
     try:
         return BENCH[0].fly(trial)
     finally:

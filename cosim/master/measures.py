@@ -209,7 +209,9 @@ def kind(node: ast.expr, text: str, metrics: Collection[str]) -> str:
 
     def must_be(child: int, *wanted: str) -> None:
         if found[child] not in wanted:
-            raise ValueError(f"in {part(node, text)}, {part(parts[child], text)} is not {wanted[0]}")
+            over_time = f"{found[child]}, " if found[child] in (SIGNAL, CONDITION) else ""
+            other = "of the whole run" if found[child] == CONDITION and wanted[0] == TRUTH else wanted[0]
+            raise ValueError(f"in {part(node, text)}, {part(parts[child], text)} is {over_time}not {other}")
 
     def numbers() -> str:
         for child in range(len(parts)):

@@ -2,6 +2,7 @@
 
 All of it is read from the FMUs, the registry and the master; the page has no table of its own but layout.json.
 """
+import re
 from importlib.metadata import version
 from typing import Any
 
@@ -17,7 +18,7 @@ from ..master.recording import Recorder
 from ..master.system import System, Value
 from ..vehicle.closed_loop import FOLLOWS, LIMITS, closed_loop, fmu_path
 from ..vehicle.limits import ACTUATORS, PAUSE, SHARE
-from ..vehicle.metrics import METRICS
+from ..vehicle.metrics import METRICS, Metric
 from ..vehicle.registry import LAWS, MODELS, PLANTS, SCENARIO, Model
 from ..vehicle.scenarios import BUILT_IN
 from ..vehicle.signals import STANDS_IN
@@ -25,6 +26,7 @@ from ..vehicle.trim import ARRIVED
 
 FLAVOUR = "native"
 ALGORITHM, STEP = "gauss-seidel", 0.01  # the default ones of `ahv run`
+FIGURE = re.compile(r"(?:degrees\()?(max_abs|rms|min|max|travel|time_on)\((?:degrees\()?([^()]+)\)+")
 Plan = dict[str, list[Any]]
 
 
@@ -38,11 +40,17 @@ def about() -> dict[str, Any]:
         "fmus": {name: declared(name) for name in MODELS},
         "plans": {law: {plant: plan(closed_loop(BUILT_IN["hold"], law, plant, FLAVOUR).system) for plant in PLANTS}
                   for law in LAWS},
-        "metrics": {name: {"unit": metric.unit, "formula": metric.formula.__name__, "terms": terms(metric.signal)}
-                    for name, metric in METRICS.items()},
+        "metrics": {name: figure(metric) for name, metric in METRICS.items()},
         "stands_in": STANDS_IN, "follows": FOLLOWS, "limits": LIMITS,
         "remarks": {"share": SHARE, "pause": PAUSE, "arrived": ARRIVED, "actuators": ACTUATORS},
     }
+
+
+def figure(metric: Metric) -> dict[str, Any]:
+    """A metric as the page computes it: a formula of a sum of signals, which in deg are converted from rad first."""
+    found = FIGURE.fullmatch(metric.text)
+    assert found, metric.text
+    return {"unit": metric.unit, "formula": found[1], "terms": terms(found[2])}
 
 
 def named(model: Model) -> dict[str, Any]:

@@ -7,9 +7,8 @@ from dataclasses import replace
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
-from campaigns import fly_here, load, tables, written
+from campaigns import campaign, fly_here, load, tables, written
 
-from cosim.campaign import campaign as whole_campaign
 from cosim.campaign import report
 from cosim.campaign.plan import key_of
 from cosim.campaign.resume import prepare
@@ -217,10 +216,10 @@ def test_a_report_that_cannot_be_drawn_is_drawn_later(flown, done, monkeypatch):
     with monkeypatch.context() as patched:
         patched.setattr(report.charts, "every", fails)
         with pytest.raises(RunError, match=r"could not be drawn \(ValueError: no such colour\).*--resume draws it"):
-            whole_campaign.campaign(path, done.folder, resume=True)
+            campaign(path, done.folder, resume=True)
         assert json.loads((done.folder / "report.json").read_text())["runs"] == 8
         assert not (done.folder / "report.html").exists()
-    summary = whole_campaign.campaign(path, done.folder, resume=True)
+    summary = campaign(path, done.folder, resume=True)
     assert summary["runs_flown_now"] == 0 and (done.folder / "report.html").exists()
     assert tables(done.folder) == before
 

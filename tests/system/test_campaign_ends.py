@@ -27,7 +27,7 @@ SOON_S = 10.0  # about 1 s on an idle machine
 def whole(tmp_path_factory):
     """(campaign file, its tables)."""
     folder = tmp_path_factory.mktemp("whole")
-    file = written(folder, runs=40, stop=40, runs_per_task=1)
+    file = written(folder, runs=32, stop=40, runs_per_task=1)
     store = Store(folder / "out", load(file))
     store.folder.mkdir()
     prepare(store, False, "")

@@ -12,6 +12,7 @@ from gymnasium.utils.env_checker import check_env
 
 import cosim
 from cosim.errors import RunError, UsageError
+from cosim.ssp.write import write
 from cosim.vehicle import scenarios
 from cosim.vehicle.closed_loop import closed_loop
 
@@ -101,6 +102,20 @@ def test_an_agent_that_does_what_the_controller_did_flies_what_it_flew(loop, mad
     assert (np.array(shown) == np.column_stack([flight[name] for name in STATES])[1:]).all()
     assert (environment.flight["plant.load_factor"][1:] == flight["plant.load_factor"][1:]).all()
     assert environment.flight.finished and (environment.flight["plant.elevator"][1:] == acted[1:, 1]).all()
+
+
+def test_an_ssp_of_fmi_3_flies_as_the_system_of_fmi_2_does(loop, made, native_fmi3_fmus, tmp_path):
+    other = closed_loop(scenarios.load("case1"), flavour="native-fmi3").system
+    write(tmp_path / "loop.ssp", "loop", other, 0.01, 2.0)
+    ends = []
+    for one in (flying(loop, made, stop=2.0), made(tmp_path / "loop.ssp", ACTIONS, [*STATES, "scenario.h_command"],
+                                                  without=["controller"])):
+        one.reset()
+        random = np.random.default_rng(2)
+        while not (end := one.step(random.uniform(-0.2, 0.2, 2)))[3]:
+            assert not end[2]
+        ends.append(end)
+    assert (ends[0][0] == ends[1][0]).all() and ends[0][4]["time"] == ends[1][4]["time"] == pytest.approx(2.0)
 
 
 def test_an_action_holds_for_as_many_steps_as_asked(fmu, made):

@@ -1,14 +1,13 @@
 """Parameters found from measured flights: right values, intervals, several flights, inputs, departures, the folder."""
 import json
 import shlex
-import subprocess
 
 import numpy as np
 import pyarrow.parquet
 import pytest
 import small
 from fitting import NOISE, TRUE, measured, one
-from places import AHV
+from wrong_use import ended
 
 import cosim
 from cosim.errors import RunError
@@ -147,24 +146,21 @@ def test_a_trial_that_ends_its_process_counts_as_lost(fmu, fault, limit):
     assert np.isnan(bad.values).all() and bad.message.startswith("An FMU ended its process")
 
 
-def test_the_command_writes_a_folder_and_a_command_that_flies_the_fit(fmu, tmp_path):
+def test_the_command_writes_a_folder_and_a_command_that_flies_the_fit(fmu, tmp_path, monkeypatch, capfd):
+    monkeypatch.chdir(tmp_path)
     pushed = Table(tmp_path / "u.csv", np.array([0.0, 1.0, 4.0]), {"u": np.array([0.0, 3.0, 1.0])})
     measured(tmp_path / "f.csv", fmu, inputs=pushed)
     values = [word for name, x in small.oscillator().items() if name != "x1" for word in ("--set", f"{name}={x}")]
-    done = subprocess.run([AHV, "fit", fmu, "f.csv", "--parameter", "a21", "--parameter", "a22", *values, "--set",
-                           "f.csv:x1=1", "--step", "0.02", "--json", "--workers", "1"], cwd=tmp_path,
-                          capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
-    told = json.loads(done.stdout)
+    assert ended(["fit", str(fmu), "f.csv", "--parameter", "a21", "--parameter", "a22", *values, "--set", "f.csv:x1=1",
+                  "--step", "0.02", "--json", "--workers", "1"]) == 0
+    told = json.loads(capfd.readouterr().out)
     folder = tmp_path / "results" / "fit" / "small_indirect"
     assert json.loads((folder / "fit.json").read_text())["parameters"] == told["parameters"]
     assert set(told["parameters"]) == {"small_indirect.a21", "small_indirect.a22"}
     assert {path.name for path in folder.iterdir()} == {".ahv", "fit.json", "fit.parquet", "fit.png", "inputs_1.csv"}
     rows = pyarrow.parquet.read_table(folder / "fit.parquet")
     assert rows.column_names == ["flight", "time", "signal", "measured", "before", "after"] and rows.num_rows == 82
-    again = subprocess.run([AHV, *shlex.split(told["flights"][0]["command"])[1:]], cwd=tmp_path, capture_output=True,
-                           text=True)
-    assert again.returncode == 0, again.stderr
+    assert ended(shlex.split(told["flights"][0]["command"])[1:]) == 0
     flown = pyarrow.parquet.read_table(tmp_path / "results" / "simulate" / "small_indirect" / "signals.parquet")
     y = flown["small_indirect.y"].to_numpy()[::5]
     assert y == pytest.approx(rows["after"].to_numpy()[:41], abs=1e-9)

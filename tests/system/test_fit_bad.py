@@ -135,10 +135,11 @@ def test_systems_that_do_not_fit(place, monkeypatch, capfd, words, sentence):
     assert not any(path.is_file() for path in (place / "results").rglob("*"))
 
 
-def test_columns_that_are_left_out_are_told(place, capfd):
+def test_columns_that_are_left_out_and_flights_that_begin_late_are_told(place, capfd):
     path = place / "g.csv"
-    path.write_text("time,a.y,speed,a.a22\n0,1.0,0,1\n0.1,0.9,0,1\n0.2,0.7,0,1\n")
+    path.write_text("time,a.y,speed,a.a22\n1,1.0,0,1\n1.1,0.9,0,1\n1.2,0.7,0,1\n")
     cosim.fit(one(place / "small_indirect.fmu"), [path], ["a.c1"])
     said = capfd.readouterr().err
+    assert f"{path} begins at 1 s, long after the flight, which begins at 0 s; --start sets another." in said
     assert f"{path}: speed is no signal of the system and is left out" in said
     assert f"{path}: a.a22 is a parameter and no signal; it is left out. --set {path}:a.a22=VALUE sets it." in said

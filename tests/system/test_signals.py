@@ -40,7 +40,7 @@ def files(tmp_path_factory):
                                ("hang_init", {}, 1.0), ("hang_terminate", {}, 1.0)):
         fault = small.FAULTS.index(name if name in small.FAULTS else "none")
         write(folder / f"{name}.ssp", name, small.pair(fmu, fault=fault, **values), 0.01, stop)
-    written(folder / "campaign", runs=40, stop=40, runs_per_task=1)
+    written(folder / "campaign", runs=32, stop=40, runs_per_task=1)
     return folder
 
 

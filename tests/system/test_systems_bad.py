@@ -44,7 +44,7 @@ SYSTEMS = {
     "not YAML": ("components: [\n", "line 2: this is not YAML"),
     "a tab": ("components:\n\ta: b\n", "this is not YAML"),
     "no components": ("name: x\n", "components is missing"),
-    "empty components": ("components: {}\n", "line 1: components: Dictionary should have at least 1 item"),
+    "empty components": ("components: {}\n", "line 1: components: at least 1 must be given"),
     "components as a list": ("components: [a.fmu]\n", "components: components has fields with values, not ['a.fmu']"),
     "no such FMU": ("components:\n  a: nothing.fmu\n", "line 2: components.a: There is no FMU at "),
     "a broken FMU": ("components: {a: no.fmu}\n", "line 1: components.a: "),

@@ -17,7 +17,7 @@ def fmu(**variables):
 
 def test_what_fmus_say_of_variables_is_on_axes_where_it_is_short_and_no_other_s():
     files = {"a": fmu(m=("kg", "mass"), k=("1", "stiffness  of\nthe spring"), q=(None, "")),
-             "b": fmu(m=("kg", "mass"), long=("s", "x" * 49), cost=("$", "what $ it costs"))}
+             "b": fmu(m=("kg", "mass"), long=("s", "x" * 61), cost=("$", "what $ it costs"))}
     names = ["a.m", "b.m", "a.k", "a.q", "b.long", "b.cost", "c.x", "other"]
     labels = labels_of(names, files)
     assert labels["a.m"] == Label("a.m", "kg", "mass") and labels["c.x"] == Label("c.x")

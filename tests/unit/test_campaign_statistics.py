@@ -182,7 +182,8 @@ def test_drivers_come_with_the_strongest_first():
                                                  "protected_s": [1, 2, 3, 4, 5, 6]}))
     found = r.drivers(["fuel_ratio.min", "fuel_ratio.max", "no.column", "plant.mass"], "protected_s")
     assert list(found) == ["plant.mass", "fuel_ratio.max", "fuel_ratio.min"]
-    assert found["plant.mass"] == {"failure": pytest.approx(-9 / 105**0.5), "protected_s": pytest.approx(1.0)}
+    assert found["plant.mass"] == {"failure": pytest.approx(-9 / 105**0.5), "protected_s": pytest.approx(1.0),
+                                   "failure_explained": 0.0}  # too few runs to say
 
 
 def test_pairs_are_of_the_same_draws_where_both_laws_were_judged():

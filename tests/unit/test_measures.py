@@ -1,15 +1,17 @@
 """Expressions on signals: every figure by hand on uneven rows, what is refused, and what has no value."""
 import math
 import pickle
+import re
 
 import numpy as np
 import pytest
 from flights import made
 from hypothesis import given
 from hypothesis import strategies as st
+from places import ROOT
 
 from cosim.master.course import Course
-from cosim.master.evaluate import CONDITION, NUMBER, SIGNAL, TRUTH
+from cosim.master.evaluate import CONDITION, FIGURES, FUNCTIONS, NUMBER, SIGNAL, TRUTH
 from cosim.master.measures import check, parse, values
 
 TIME = [1.0, 2.0, 4.0, 5.0, 9.0]
@@ -135,14 +137,17 @@ REFUSED = {
     "max(peak) < 3": "max takes two numbers or more, not 1", "max() < 3": "max takes two numbers or more, not 0",
     "first(3) < 3": "in first\\(3\\), 3 is not true or false at each time",
     "first(peak > 3) < 3": "peak > 3 is not true or false at each time",
-    "mean(tank.h > 3) < 3": "tank.h > 3 is not a signal", "max(tank.h > 3) < 3": "tank.h > 3 is not a signal",
-    "time_above(tank.h, tank.set) < 3": "tank.set is not a number",
-    "settling(tank.h, tank.set, 3) < 3": "tank.set is not a number",
-    "abs(tank.h > 3) < 3": "tank.h > 3 is not a number", "-(tank.h > 3) < 3": "tank.h > 3 is not a number",
-    "(tank.h > 3) + 1 < 3": "tank.h > 3 is not a number", "(tank.h > 3) < 3": "tank.h > 3 is not a number",
+    "mean(tank.h > 3) < 3": "tank.h > 3 is true or false at each time, not a signal",
+    "max(tank.h > 3) < 3": "tank.h > 3 is true or false at each time, not a signal",
+    "time_above(tank.h, tank.set) < 3": "tank.set is a signal, not a number",
+    "settling(tank.h, tank.set, 3) < 3": "tank.set is a signal, not a number",
+    "abs(tank.h > 3) < 3": "tank.h > 3 is true or false at each time, not a number",
+    "-(tank.h > 3) < 3": "tank.h > 3 is true or false at each time, not a number",
+    "(tank.h > 3) + 1 < 3": "tank.h > 3 is true or false at each time, not a number",
+    "(tank.h > 3) < 3": "tank.h > 3 is true or false at each time, not a number",
     "time_on((tank.h > 3) == 1) < 3": "1 is not true or false at each time",
     "time_on(tank.h > 3 and peak > 2) < 3": "peak > 2 is not true or false at each time",
-    "peak > 2 and tank.h > 3": "tank.h > 3 is not true or false",
+    "peak > 2 and tank.h > 3": "tank.h > 3 is true or false at each time, not of the whole run$",
     "time_on(not peak) < 3": "peak is not true or false",
     "tank.h": r"'tank.h' is a signal: say which number of it, such as max\(tank.h\)$",
     "tank.h - tank.set": r"is a signal: say which number of it, such as max\(tank.h - tank.set\)$",
@@ -222,3 +227,12 @@ def test_time_weighs_averages(rows):
     span = flight.time[-1] - flight.time[0]
     assert worth("integral(a.x)", flight) == pytest.approx(span * worth("mean(a.x)", flight) if span else 0, abs=1e-9)
     assert worth("min(a.x) - 1e-9 <= mean(a.x) <= max(a.x) + 1e-9 and rms(a.x) <= max_abs(a.x) + 1e-9", flight)
+
+
+def test_the_page_names_every_function_with_what_it_takes():
+    page = (ROOT / "docs" / "campaigns.md").read_text()
+    calls = [parse(text.replace("…", "s")) for row in re.findall(r"^\| (`\w+\(.*?) \|", page, re.MULTILINE)
+             for text in re.findall(r"`(.*?)`", row)]
+    assert {call.text.partition("(")[0] for call in calls} == {*FUNCTIONS, *FIGURES}
+    for call in calls:
+        check(call, {"s", "c"}, {"x", "y", "target", "band", "level"}, NUMBER if "s" in call.names[0] else None)

@@ -5,7 +5,7 @@ const COLOURS = { // Okabe and Ito's, those that can be seen on white and on bla
   light: ["#0072b2", "#d55e00", "#007a5a", "#9a4f7d", "#000000"],
   dark: ["#56b4e9", "#e69f00", "#2bd4a0", "#e09ac4", "#f0e442"],
 };
-const DASHES = [[], [8, 4], [2, 3], [10, 3, 2, 3], [5, 2]];
+const DASHES = [[], [8, 8], [2, 6], [14, 6, 2, 6], [5, 10]];
 const STYLES = ["solid", "dashed", "dotted", "dashed", "dashed"]; // the same as CSS has them
 const INKS = { light: { text: "#333", grid: "#0001", old: "#9a9a9a", level: "#767676" },
                dark: { text: "#ddd", grid: "#fff2", old: "#757575", level: "#8f8f8f" } };
@@ -53,7 +53,7 @@ class Charts {
     const lines = this.lines(panel), series = lines.map(({ line, flight }) => {
       const number = panel.lines.indexOf(line);
       return { label: line.name, show: true, points: { show: false }, spanGaps: true, width: flight ? 1.5 : number || panel.lines.length === 1 ? 1.75 : 3,
-               pxAlign: 0, stroke: flight ? inks.old : colours[number], dash: DASHES[number].map(length => length * devicePixelRatio / 1.5),
+               pxAlign: 0, stroke: flight ? inks.old : colours[number], dash: DASHES[number].map(length => length * devicePixelRatio),
                scale: "y", auto: true, value: (_, value) => value === null || value === undefined ? "" : figure(value, 6) };
     });
     return {

@@ -1,24 +1,26 @@
 "use strict";
-// Answers requests to fly, in a worker or in the page: {case's numbers in, series and metrics out}.
+// Answers requests to fly, in a worker or in the page.
 
-// What to fly: {law, plant, step, stop, values: {component: {variable: value}}}. What comes back: `series` (by the text
-// of its terms), metrics, what happened and how long it took (ms).
-function answer(about, modules, { law, plant, step, stop, values }) {
-  const began = performance.now(), plan = about.plans[law][plant], limits = about.limits.flat();
+// The flight of {law, plant, step, stop, values: {component: {variable: value}}}, with all its signals.
+function flown(about, modules, { law, plant, step, stop, values }) {
+  const plan = about.plans[law][plant], limits = about.limits.flat();
   const fmus = { scenario: about.scenario.fmu, controller: about.laws[law].fmu, plant: about.plants[plant].fmu };
   const components = Object.fromEntries(Object.entries(fmus).map(([name, fmu]) =>
     [name, { module: modules[fmu], label: `${name} (${about.fmus[fmu].file})`, values: values[name] }]));
   const inquire = { plant: ["V_start", "h_start", "fuel_ratio_trim", "elevator_trim", "trim_residual"], controller: limits };
-  const flight = fly({ components, plan, step, stop, inquire });
-  const took = performance.now() - began;
-  Object.assign(flight, { columns: plan.columns, standsIn: about.stands_in });
+  return { ...fly({ components, plan, step, stop, inquire }), columns: plan.columns, standsIn: about.stands_in };
+}
+
+// What the page shows of it: `series` by the text of their terms, metrics, what happened, how long it took (ms).
+function answer(about, modules, request) {
+  const began = performance.now(), flight = flown(about, modules, request), took = performance.now() - began;
   const found = metrics(flight, about.metrics);
   const drawn = about.layout.panels.flatMap(panel => panel.lines.map(line => JSON.stringify(line.terms)));
   return {
     series: Object.fromEntries(drawn.map(terms => [terms, series(flight, JSON.parse(terms))]).filter(([, one]) => one)),
-    metrics: found, step, stop, count: flight.count, finished: flight.finished, took, asked: flight.asked,
+    metrics: found, step: flight.step, stop: flight.stop, count: flight.count, finished: flight.finished, took, asked: flight.asked,
     message: flight.finished ? "" : [flight.message.replace(/\.$/, "") + ".", stuck(flight, about.remarks)].join(" ").trim(),
-    remarks: remarks(flight, found, about.remarks), reached: (flight.count - 1) * step,
+    remarks: remarks(flight, found, about.remarks), reached: (flight.count - 1) * flight.step,
   };
 }
 
