@@ -187,6 +187,7 @@ WRONG_WORDS = {
     "controller.k_gamma=a:1:3": "a and 1 must be numbers.",
     "controller.k_gamma=1,a": "controller.k_gamma: values must be all numbers, all truths or all words.",
     "controller.k_gamma=0.2,-1": "controller.k_gamma = -1.0 is not allowed: it must be between 0 and inf 1/s.",
+    "controller.k_gamma=\ud800": "This is no sweep: half of a pair of code units",
     "controller.k_gamma=1,1": "controller.k_gamma: a value is given twice.",
 }
 
