@@ -30,6 +30,7 @@ pre { background: #f4f4f4; padding: .5em; font-size: 12px; white-space: pre-wrap
 .note { color: #555; }
 .curves { display: flex; flex-wrap: wrap; gap: 1em; } .curves figure { margin: 0; width: 220px; font-size: 12px; }
 .curves polyline { fill: none; stroke: #2471a3; stroke-width: 1.2; } summary { cursor: pointer; }
+@media (max-width: 700px) { table { display: block; overflow-x: auto; } }
 """
 MOST_LISTED = 12  # values of a distribution
 EXPLAINED = {
@@ -188,6 +189,9 @@ def side_by_side(plan: Plan, summary: dict[str, Any]) -> str:
         for key in ("median", "p95"):
             rows.append([f"{with_unit(plan, name)}, {key}",
                          *(x["metrics"].get(name, {}).get(key, "") for x in found.values())])
+        endless = [x["metrics"].get(name, {}).get("infinite", 0) for x in found.values()]
+        if any(endless):
+            rows.append([f"{name}, infinite (in neither)", *(f"{count:,}" for count in endless)])
     pairs = "".join(f"<p>{escape(both)} on the same draws: {escape(counts_text(counts))}.</p>"
                     for both, counts in summary["paired"].items())
     return (f"<h2>The {noun}s side by side</h2><p class=note>Runs that finished or departed are judged. A run that "

@@ -261,8 +261,8 @@ def test_a_run_that_kills_its_worker_is_a_row_and_costs_no_other(tmp_path, monke
     assert len(rows(tmp_path / "out")) == 12
 
 
-def deadly(key, first, last, positions=None):
+def deadly(key, first, last, positions=None, points=None):
     asked = list(requests(JOBS[key], first, last))
     if any(asked[i].run == 5 for i in positions or range(len(asked))):
         os.abort()
-    return fly_batch(key, first, last, positions)
+    return fly_batch(key, first, last, positions, points)

@@ -109,13 +109,13 @@ def test_pictures_can_be_drawn_again(script, tmp_path):
     assert all(path.stat().st_size > 10_000 for path in tmp_path.iterdir())
 
 
-def test_the_site_builds_and_loads_nothing_from_elsewhere(native_fmus, tmp_path):
+def test_the_site_builds_and_loads_nothing_from_elsewhere(tmp_path):
     pytest.importorskip("mkdocs", reason="the site is built with the extra `docs`")
     pytest.importorskip("mkdocstrings", reason="the site is built with the extra `docs`")
     done = subprocess.run([sys.executable, "-m", "mkdocs", "build", "--strict", "--site-dir", tmp_path / "site"],
-                          cwd=ROOT, capture_output=True, text=True, env={"PATH": "", "PYTHONPATH": str(ROOT)})
+                          cwd=ROOT, capture_output=True, text=True,
+                          env={"PATH": "", "PYTHONPATH": str(ROOT), "PLAYGROUND": "false"})
     assert done.returncode == 0, done.stderr
-    assert (tmp_path / "site" / "fly.html").stat().st_size < 2_000_000
     pages = list((tmp_path / "site").rglob("*.html"))
     assert len(pages) > 10
     for page in pages:
