@@ -1,5 +1,6 @@
 """Campaigns of any system: two stock FMUs, one of C and one of pythonfmu, from docs/examples/tank."""
 import json
+import os
 import re
 import shlex
 import shutil
@@ -10,8 +11,9 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 import yaml
-from campaigns import fly_here
-from places import ROOT
+from campaigns import fly_here, tables
+from places import AHV, ROOT
+from test_campaign_cluster import certificates
 from test_cases import ahv
 
 from cosim.campaign.plan import load
@@ -212,7 +214,8 @@ REFUSED = {
                           "metrics.a: 'max.tank.lvl.': there is no metric or signal tank.lvl; did you mean tank.level"),
     "a metric that is a signal": ({"metrics": {"a": "tank.level"}}, "metrics.a: 'tank.level' is a signal: say which"),
     "a metric that is true": ({"metrics": {"a": "max(tank.level) < 3"}}, "metrics.a: .* is true or false, not"),
-    "a metric of a later one": ({"metrics": {"a": "b + 1", "b": "max(tank.level)"}}, "metrics.a: 'b . 1': there is no"),
+    "a metric of a later one": ({"metrics": {"a": "b + 1", "b": "max(tank.level)"}},
+                                "metrics.a: 'b . 1': b is no metric yet"),
     "a metric with the name of a column": ({"metrics": {"tank.area": "max(tank.level)"}},
                                            "metrics.tank.area: there is a column or a signal of this name already"),
     "a metric of no name": ({"metrics": {"a b": "max(tank.level)"}}, "metrics.a b"),
@@ -251,3 +254,55 @@ def test_metrics_of_a_scenario_stand_beside_its_own(tmp_path):
     file.write_text(yaml.dump({**data, "metrics": {"protected_s": "max(plant.h)"}}))
     with pytest.raises(UsageError, match=r"metrics.protected_s: there is a metric of this name already"):
         load(file, Laws)
+
+
+NAMESPACES = """
+set -e
+ip link set lo up
+trap 'kill $(jobs -p) 2>/dev/null' EXIT
+tls="--tls-ca-file $CERT/ca.pem --tls-cert $CERT/ca.pem --tls-key $CERT/key.pem"
+$BIN/dask scheduler --host tls://0.0.0.0 --port 8786 --no-dashboard $tls 2>/dev/null &
+for k in 1 2; do
+    unshare -n sleep 3600 & other=$!
+    sleep 0.5
+    ip link add here$k type veth peer name there
+    ip link set there netns $other
+    ip addr add 10.214.$k.1/24 dev here$k; ip link set here$k up
+    on_other="nsenter -t $other -n"
+    $on_other ip link set lo up; $on_other ip addr add 10.214.$k.2/24 dev there; $on_other ip link set there up
+    $on_other $BIN/dask worker tls://10.214.$k.1:8786 --host tls://10.214.$k.2 --nthreads 1 --no-dashboard $tls \
+        --local-directory $OUT/worker$k 2>/dev/null &
+done
+fly() { $BIN/ahv campaign $1 --out $OUT/flown --scheduler tls://10.214.1.1:8786 --tls-ca $CERT/ca.pem \
+        --tls-cert $CERT/ca.pem --tls-key $CERT/key.pem --json $2 >>$OUT/said; }
+fly $SMALL & client=$!
+until [ $(ls $OUT/flown/parts 2>/dev/null | grep -c receipt) -ge 20 ]; do sleep 0.02; kill -0 $client; done
+kill -9 $(ps -o pid= --ppid $client); wait $client || true
+[ ! -e $OUT/flown/runs.parquet ]
+fly $SMALL --resume
+fly $LARGE --resume
+ls $OUT/worker1 $OUT/worker2 >$OUT/workers
+"""
+
+
+@pytest.mark.slow
+def test_on_two_hosts_killed_resumed_and_grown_it_is_the_campaign_that_is_flown_at_once(built, tmp_path):
+    isolated = ["unshare", "-Urn"]
+    if not shutil.which("ip") or subprocess.run([*isolated, "ip", "link"], capture_output=True).returncode:
+        pytest.skip("needs iproute2 and user namespaces")
+    certificates(tmp_path)
+    files = {name: changed(built, f"{name}.yaml", runs=runs) for name, runs in (("SMALL", 500), ("LARGE", 2000))}
+    done = subprocess.run([*isolated, "bash", "-c", NAMESPACES], text=True, timeout=3000, capture_output=True, env={
+        **os.environ, "BIN": str(AHV.parent), "CERT": str(tmp_path), "OUT": str(tmp_path),
+        **{name: str(file) for name, file in files.items()}})
+    assert done.returncode == 0, done.stderr
+    small, large = map(json.loads, (tmp_path / "said").read_text().splitlines())
+    assert small["runs"] == 500 and 0 < small["runs_flown_now"] < 1000 and large["runs_flown_now"] == 3000
+    ahv("campaign", files["LARGE"], "--out", tmp_path / "expected")
+    assert tables(tmp_path / "flown") == tables(tmp_path / "expected")
+    for name in ("campaign.json", "campaign.yaml", "receipt.json"):
+        assert (tmp_path / "flown" / name).read_bytes() == (tmp_path / "expected" / name).read_bytes()
+    report = json.loads((tmp_path / "flown" / "report.json").read_text())
+    for variant in report["variants"].values():
+        assert variant["judged"] == 2000 and 0.2 < variant["probability"] < 1
+        assert set(variant["drivers"]) == {"tank.area", "tank.level_start", "tank.leak", "tank.outlet"}
