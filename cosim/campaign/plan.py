@@ -199,7 +199,6 @@ def make(campaign: Campaign, source: Source, kind: type[Subject]) -> Plan:
     first = draws[next(iter(systems))]
     check_measures(source, campaign, subject, signals, [d.name for d in first])
     check_rare(source, campaign, draws)
-    check_stop_when(source, campaign)
     runs = run_count(source, campaign, samples, first)
     written, campaign = (c.model_copy(update={"runs": runs}) for c in (written, campaign))
     sampler = Sampler(campaign.sampling, campaign.seed, runs, len(free(first)), all_mixings(source, campaign, first),
@@ -273,9 +272,10 @@ def check_stop_when(source: Source, campaign: Campaign) -> None:
     if rule.probability not in ("success", *campaign.success):
         source.fail(("stop_when", "probability"), f"{rule.probability} is no criterion; there are "
                     f"{', '.join(dict.fromkeys(('success', *campaign.success)))}")
-    if campaign.sampling != "random":
-        source.fail(("stop_when",), f"it needs sampling: random, not {campaign.sampling}: its confidence is that of "
-                    "independent draws")
+    other = "samples" if campaign.samples is not None else campaign.sampling
+    if other != "random":
+        source.fail(("stop_when",), f"it needs sampling: random, not {other}: its confidence is that of independent "
+                    "draws")
 
 
 def task_size(runs: int, ticks: int, python: bool) -> int:
