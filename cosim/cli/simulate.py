@@ -20,6 +20,8 @@ def simulate(
     algorithm: Annotated[str | None, typer.Option(metavar="NAME[,OPTION=VALUE]...", help=ALGORITHM)] = None,
     set_: Annotated[list[str], typer.Option("--set", metavar="[COMPONENT.]VARIABLE=VALUE", help="Set a parameter or a "
                     "start value, with a unit if wanted (2deg). Can be repeated.")] = [],  # noqa: B006
+    fmu: Annotated[list[str], typer.Option(metavar="COMPONENT=FILE.fmu", help="Fly another FMU in this place. Can be "
+                   "repeated.")] = [],  # noqa: B006
     input_: Annotated[Path | None, typer.Option("--input", metavar="FILE.csv|.parquet", help="Inputs over time: a "
                       "column time (s), and one for each input.")] = None,
     record: Record = [],  # noqa: B006
@@ -40,7 +42,7 @@ def simulate(
 
     summary, flight, trouble = fly(file, step, stop, algorithm, out, time_limit, stream, start=start,
                                    tolerance=tolerance, values=set_, inputs=input_, record=record, decimate=decimate,
-                                   plot=plot, save=save, restore=restore, command=typed())
+                                   plot=plot, save=save, restore=restore, fmus=fmu, command=typed())
     report(summary, as_json)
     opened(Path(summary["out"], "report.html"), open_)
     conclude(flight.finished, [flight.message], trouble, flight.interrupted)

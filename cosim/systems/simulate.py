@@ -18,7 +18,7 @@ from ..master.state import State, read_state
 from ..master.table import read_table
 from ..names import safe
 from .load import load_system
-from .words import assigned, experiment, patterns
+from .words import assigned, experiment, files, patterns, with_fmus
 
 ALGORITHM = "gauss-seidel"
 
@@ -27,15 +27,16 @@ def simulate(path: Path, step: float | None, stop: float | None, algorithm: str 
              time_limit: float | None = None, stream: bool = False, *, start: float | None = None,
              tolerance: float | None = None, values: Sequence[str] = (), inputs: Path | None = None,
              record: Sequence[str] | None = None, decimate: int = 1, plot: bool = False, save: Path | None = None,
-             restore: Path | None = None, command: str = "") -> tuple[dict[str, Any], Flight, str]:
+             restore: Path | None = None, fmus: Sequence[str] = (), command: str = ""
+             ) -> tuple[dict[str, Any], Flight, str]:
     """Fly the system in `path`, see `load_system`; the summary, the flight, and which results did not find room (empty
     if all did). They go to `out`, else to results/simulate/FILE.
 
     What is None is what the file suggests. Times are in s. `values` are COMPONENT.VARIABLE=VALUE words, `record`
     patterns of COMPONENT.VARIABLE; of one FMU, its variables will do in both. `inputs` is a table of inputs over time,
-    `plot` draws what is recorded. `save` is a file for the state at the end, `restore` such a file to go on from. An
-    FMU call that takes longer than `time_limit` ends the flight; `stream` writes rows to the disk as it flies.
-    `command` is what the page says that it was made by.
+    `plot` draws what is recorded. `fmus` are COMPONENT=FILE.fmu words, other FMUs for these places. `save` is a file
+    for the state at the end, `restore` such a file to go on from. An FMU call that takes longer than `time_limit` ends
+    the flight; `stream` writes rows to the disk as it flies. `command` is what the page says that it was made by.
 
     Raises UsageError for a file or numbers that do not fit, RunError if the FMUs cannot be started.
     """
@@ -43,6 +44,8 @@ def simulate(path: Path, step: float | None, stop: float | None, algorithm: str 
     with load_system(path) as found:
         if state:
             start, step = state.start, state.step if step is None else step
+        others = files(fmus)
+        sources = {**found.sources, **{component: str(file) for component, file in others.items()}}
         begin, end, size, remarks = experiment(found, start, stop, step)
         tick_count(size, end, begin)
         word = algorithm or (state.algorithm if state else found.algorithm) or ALGORITHM
@@ -50,17 +53,17 @@ def simulate(path: Path, step: float | None, stop: float | None, algorithm: str 
             "start": begin, "tolerance": found.tolerance if tolerance is None else tolerance, "decimate": decimate,
             "record": patterns(record, found) if record else None, "save": save and savable(save), "restore": state,
             "inputs": read_table(inputs) if inputs else None}
-        system = assigned(values, found)
+        system = with_fmus(assigned(values, found), others)
         for remark in (*remarks, *found.remarks):
             note(remark)
-        said = {"system": found.name, "components": list(found.sources), "algorithm": word, "step_s": size,
+        said = {"system": found.name, "components": list(sources), "algorithm": word, "step_s": size,
                 "stop_s": end, "start_s": state.time if state else begin}
         with flown_into(out, "simulate", safe(path.stem), stream) as (folder, interrupted):
-            rows = asked(folder, {**said, "files": found.sources}) if stream else None
+            rows = asked(folder, {**said, "files": sources}) if stream else None
             bar, progress = progress_bar(found.name, end)
             with bar:  # FMUs of unknown origin may crash
                 flight = fly_isolated(system, size, end, word, progress, time_limit, rows, **options)
-            summary, trouble = kept(folder, flight, said, found.sources, rows, plot, command)
+            summary, trouble = kept(folder, flight, said, sources, rows, plot, command)
     flight.interrupted = interrupted[0] if interrupted else flight.interrupted
     for warning in flight.warnings:
         note(warning)
