@@ -195,7 +195,13 @@ async function draw() {
 }
 let drawn = 0;
 
+function tellRange() {
+  one("from").value = digits(state.range.start);
+  one("to").value = digits(state.range.end);
+}
+
 function fitSoon() {  // once the tool that changes the time is done with all ranges
+  tellRange();
   if (state.waiting) return;
   state.waiting = true;
   requestAnimationFrame(() => { state.waiting = false; fit(); });
@@ -213,8 +219,6 @@ function fit() {  // each panel's values fill it, within the time that is shown
     const room = (high - low) * 0.06 || Math.abs(high) * 0.05 || 1;
     plot.y_range.setv({start: low - room, end: high + room});
   }
-  one("from").value = digits(start);
-  one("to").value = digits(end);
 }
 
 function look(t) {  // what the curves are at a time, beside their names
@@ -275,6 +279,7 @@ function listKinds() {
 function begin() {
   one("view").hidden = false;
   state.range = new models.Range1d({start: span[0], end: span[1] > span[0] ? span[1] : span[0] + 1});
+  tellRange();
   state.range.on_change([state.range.properties.start, state.range.properties.end], fitSoon);
   for (const {name} of DATA.kinds)  // what happened to some flights only would shade all of them
     if (!DATA.runs.every((run) => run.marks.some((mark) => mark.kind === name))) state.hidden.add(name);
