@@ -5,7 +5,7 @@ from typing import Annotated
 import typer
 
 from ..vehicle.registry import LAWS
-from .options import Flavour, Json, Out, Plant, ScenarioWord, Step, Stop
+from .options import Columns, Figures, Flavour, Json, Out, Plant, ScenarioWord, Step, Stop
 from .show import conclude, note, report_rows
 
 
@@ -17,6 +17,8 @@ def compare(
     plant: Plant = "ideal",
     step: Step = 0.01,
     stop: Stop = None,
+    figures: Figures = "png",
+    columns: Columns = 2,
     out: Out = None,
     as_json: Json = False,
 ) -> None:
@@ -25,9 +27,11 @@ def compare(
     The backstepping law is a reconstruction of the one that the paper compares with. It and the neural law's preset
     `robust` were tuned with the same cost and budget.
     """
+    from ..pictures import Format
     from ..vehicle.compare import compare as fly
 
-    summary, flights, notes, trouble = fly(scenario, controller, plant, flavour, step, stop, out)
+    summary, flights, notes, trouble = fly(scenario, controller, plant, flavour, step, stop, out,
+                                           Format(figures, columns))
     note([*notes, *(f"{law}: {warning}" for law, flight in flights.items() for warning in flight.warnings)])
     if as_json:
         print(json.dumps(summary))

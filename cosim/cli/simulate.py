@@ -4,7 +4,7 @@ from typing import Annotated
 
 import typer
 
-from .options import Decimate, Json, Out, Record, Stream, TimeLimit, place
+from .options import Columns, Decimate, Figures, Json, Out, Record, Stream, TimeLimit, place
 from .show import conclude, report
 
 ALGORITHM = ("gauss-seidel (the default, unless the file says another), jacobi, multi-rate, variable or iterated; for "
@@ -31,14 +31,17 @@ def simulate(
                                                  help="Go on from a state that --save wrote.")] = None,
     time_limit: TimeLimit = None,
     stream: Stream = False,
+    figures: Figures = "png",
+    columns: Columns = 2,
     out: Out = None,
     as_json: Json = False,
 ) -> None:
     """Fly any FMU or system of FMUs; write signals and run.json to results/simulate/FILE."""
+    from ..pictures import Format
     from ..systems.simulate import simulate as fly
 
     summary, flight, trouble = fly(file, step, stop, algorithm, out, time_limit, stream, start=start,
                                    tolerance=tolerance, values=set_, inputs=input_, record=record, decimate=decimate,
-                                   plot=plot, save=save, restore=restore)
+                                   plot=plot, save=save, restore=restore, form=Format(figures, columns))
     report(summary, as_json)
     conclude(flight.finished, [flight.message], trouble, flight.interrupted)

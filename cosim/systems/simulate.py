@@ -17,6 +17,7 @@ from ..master.results import write
 from ..master.state import State, read_state
 from ..master.table import read_table
 from ..names import safe
+from ..pictures import PNG, Format
 from .load import load_system
 from .words import assigned, experiment, patterns
 
@@ -27,14 +28,15 @@ def simulate(path: Path, step: float | None, stop: float | None, algorithm: str 
              time_limit: float | None = None, stream: bool = False, *, start: float | None = None,
              tolerance: float | None = None, values: Sequence[str] = (), inputs: Path | None = None,
              record: Sequence[str] | None = None, decimate: int = 1, plot: bool = False, save: Path | None = None,
-             restore: Path | None = None) -> tuple[dict[str, Any], Flight, str]:
+             restore: Path | None = None, form: Format = PNG) -> tuple[dict[str, Any], Flight, str]:
     """Fly the system in `path`, see `load_system`; the summary, the flight, and which results did not find room (empty
     if all did). They go to `out`, else to results/simulate/FILE.
 
     What is None is what the file suggests. Times are in s. `values` are COMPONENT.VARIABLE=VALUE words, `record`
     patterns of COMPONENT.VARIABLE; of one FMU, its variables will do in both. `inputs` is a table of inputs over time,
-    `plot` draws what is recorded. `save` is a file for the state at the end, `restore` such a file to go on from. An
-    FMU call that takes longer than `time_limit` ends the flight; `stream` writes rows to the disk as it flies.
+    `plot` draws what is recorded, as `form` says. `save` is a file for the state at the end, `restore` such a file to
+    go on from. An FMU call that takes longer than `time_limit` ends the flight; `stream` writes rows to the disk as it
+    flies.
 
     Raises UsageError for a file or numbers that do not fit, RunError if the FMUs cannot be started.
     """
@@ -59,7 +61,7 @@ def simulate(path: Path, step: float | None, stop: float | None, algorithm: str 
             bar, progress = progress_bar(found.name, end)
             with bar:  # FMUs of unknown origin may crash
                 flight = fly_isolated(system, size, end, word, progress, time_limit, rows, **options)
-            summary, trouble = kept(folder, flight, said, found.sources, rows, plot)
+            summary, trouble = kept(folder, flight, said, found.sources, rows, plot, form)
     flight.interrupted = interrupted[0] if interrupted else flight.interrupted
     for warning in flight.warnings:
         note(warning)
@@ -84,7 +86,7 @@ def savable(path: Path) -> Path:
 
 
 def kept(folder: Path, flight: Flight, said: dict[str, Any], files: dict[str, str], rows: Path | None,
-         plot: bool = False) -> tuple[dict[str, Any], str]:
+         plot: bool = False, form: Format = PNG) -> tuple[dict[str, Any], str]:
     """The summary of a flight whose results are written to a claimed folder, and which of them did not find room.
 
     `said` is what run.json says of the request, `files` each component's FMU, `rows` the file of a stream's rows.
@@ -95,15 +97,16 @@ def kept(folder: Path, flight: Flight, said: dict[str, Any], files: dict[str, st
     summary = {**said, "ticks": flight.ticks, "finished": flight.finished,
                "departed_at_s": None if flight.finished else flight.reached, "ended_at_s": flight.ended_at,
                "real_time_factor": flown / flight.wall_s if flight.wall_s else None}
-    published = write(folder, "simulate", flight, summary, extras=[partial(draw, flight)] if plot else [], rows=rows)
+    extras = [partial(draw, flight, form)] if plot else []
+    published = write(folder, "simulate", flight, summary, extras=extras, rows=rows)
     return {**summary, "out": str(published.folder)}, published.trouble
 
 
-def draw(flight: Flight, folder: Path) -> None:
+def draw(flight: Flight, form: Format, folder: Path) -> None:
     """Pictures of all that is recorded into `folder`."""
     from ..master.plot import draw_all  # matplotlib is slow to import
 
-    draw_all(flight, folder / "figures")
+    draw_all(flight, folder / "figures", form)
 
 
 def recover(left: Path, out: Path | None = None) -> tuple[dict[str, Any], Flight, str]:

@@ -10,6 +10,7 @@ from ..master.isolated import launch
 from ..master.progress import progress_bar
 from ..master.recover import asked
 from ..master.recover import recover as recover_rows
+from ..pictures import PNG, Format
 from . import scenarios
 from .closed_loop import ClosedLoop, Values, closed_loop
 from .limits import explained
@@ -32,14 +33,14 @@ def run(scenario: str | Scenario, controller: str = "neural", preset: Mapping[st
         algorithm: str = "gauss-seidel", values: Values | None = None, uncertainty: float | None = None,
         decimate: int = 1, stream: bool = False, isolate: bool = False, time_limit: float | None = None,
         plain: bool = False, real_time: float | None = None, out: Path | None = None, progress: bool = False,
-        record: Sequence[str] = ()) -> Run:
+        record: Sequence[str] = (), form: Format = PNG) -> Run:
     """Fly `scenario` (a built-in name, a YAML file or a Scenario) and write signals, run.json and figures.
 
     `controller` and `plant` are words of the registry or anybody's FMUs (NAME=FILE.fmu); `preset` is the controller's,
     or component -> name. `values` are set last: component -> variable -> value. `step`, `stop` are in s. The results
     go to `out`, else to results/run/SCENARIO. `record` picks the signals, as patterns of component.variable (none: all
-    outputs); metrics and figures whose signals are left out are left out, too. Other arguments are those of
-    `master.fly.fly`.
+    outputs); metrics and figures whose signals are left out are left out, too. `form` says how figures are
+    written. Other arguments are those of `master.fly.fly`.
 
     Raises UsageError for what cannot be flown, RunError if an FMU does not start. A flight that ends early is a
     result: `flight.finished` is False and `flight.message` says why. After a signal there are no figures and
@@ -60,7 +61,7 @@ def run(scenario: str | Scenario, controller: str = "neural", preset: Mapping[st
             flight = explained(launch(loop.system, step, end, algorithm, tell if progress else None,
                                       isolate or loop.foreign, time_limit, plain=plain, real_time=real_time, **options))
         notes = [*loop.notes, *part_of_the_rows(flight, stream)]
-        done = kept(folder, flight, said, notes, decimate, rows)
+        done = kept(folder, flight, said, notes, decimate, rows, form)
     flight.interrupted = interrupted[0] if interrupted else flight.interrupted
     return done
 
@@ -76,7 +77,7 @@ def recover(left: Path, out: Path | None = None) -> Run:
 
 
 def kept(folder: Path, flight: Flight, said: dict[str, Any], notes: list[str], decimate: int = 1,
-         rows: Path | None = None) -> Run:
+         rows: Path | None = None, form: Format = PNG) -> Run:
     """The flight with its figures of merit, in a claimed folder; `said` is what run.json says of the request, `rows`
     the file of a stream's rows."""
     from ..master.results import write
@@ -87,7 +88,7 @@ def kept(folder: Path, flight: Flight, said: dict[str, Any], notes: list[str], d
     preset = f" ({said['preset']})" if said["preset"] else ""
     title = f"{said['scenario']}, {said['controller']}{preset}"
     published = write(folder, "run", flight, {**summary, "presets": presets}, decimate,
-                      [lambda place: draw(place, flight, title, first_figure)], rows)
+                      [lambda place: draw(place, flight, title, first_figure, form)], rows)
     return Run(flight, {**summary, "out": str(published.folder)}, published.folder, notes, published.trouble)
 
 
@@ -119,8 +120,8 @@ def presets_of(loop: ClosedLoop) -> dict[str, dict[str, str]]:
     return {component: {"name": name, "from": loop.preset_from[component]} for component, name in loop.presets.items()}
 
 
-def draw(folder: Path, flight: Flight, title: str, first_figure: int | None) -> None:
+def draw(folder: Path, flight: Flight, title: str, first_figure: int | None, form: Format) -> None:
     """The scenario's figures into `folder`."""
     from .figures import write  # matplotlib is slow to import
 
-    write(folder, flight, title, first_figure)
+    write(folder, flight, title, first_figure, form)
