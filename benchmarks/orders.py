@@ -20,6 +20,7 @@ sys.path[:0] = [str(HERE), str(HERE.parent / "tests")]
 import oracle  # noqa: E402
 import small  # noqa: E402
 
+from cosim import pictures  # noqa: E402
 from cosim.master.fly import fly  # noqa: E402
 from cosim.vehicle import scenarios  # noqa: E402
 from cosim.vehicle.closed_loop import assignments, closed_loop  # noqa: E402
@@ -99,20 +100,25 @@ def measure_variable(system) -> dict:
 
 
 def draw(results: dict, path: Path) -> None:
-    figure = Figure(figsize=(11, 5), layout="constrained")
-    for axis, (title, found) in zip(figure.subplots(1, len(results)), results.items()):
-        for i, (word, row) in enumerate(found["fixed"].items()):
-            axis.loglog(STEPS, row["errors"], "s--" if "linear" in word else "o-", color=f"C{i % 4}",
-                        label=f"{word}: {row['slope']:.2f}", linewidth=1.2, markersize=4)
-        for order in (1, 2):
-            guide = np.array(STEPS) ** order
-            height = found["fixed"]["jacobi"]["errors"][-1] / guide[-1] / 3 ** order
-            axis.loglog(STEPS, height * guide, ":", color="0.6")
-        axis.set(title=title, xlabel="communication step (s)", ylabel="largest scaled error")
-        axis.legend(fontsize=7, title="slope (dotted: 1 and 2)", title_fontsize=7)
-        axis.grid(True, which="both", alpha=0.2)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    figure.savefig(path, dpi=120)
+    """Log-log curves, one for each algorithm: held inputs as lines with full marks, inputs with a slope as hollow marks."""
+    with pictures.style():
+        figure = Figure(figsize=(pictures.WIDTHS[2], 3.6), layout="constrained")
+        axes = figure.subplots(1, len(results), sharey=True)
+        for axis, (title, found) in zip(axes, results.items()):
+            looks = zip(pictures.styled(len(found["fixed"])), pictures.MARKS)
+            for (word, row), (line, mark) in zip(found["fixed"].items(), looks):
+                axis.loglog(STEPS, row["errors"], marker=mark, fillstyle="none" if "linear" in word else "full",
+                            markersize=5, label=f"{word}: {row['slope']:.2f}", **line)
+            for order in (1, 2):
+                guide = np.array(STEPS) ** order
+                height = found["fixed"]["jacobi"]["errors"][-1] / guide[-1] / 3 ** order
+                axis.loglog(STEPS, height * guide, "-", color="0.6", linewidth=0.8)
+                axis.annotate(f"order {order}", (STEPS[1], height * guide[1]), (0, -3), textcoords="offset points",
+                              color="0.35", fontsize=7, va="top")
+            axis.set(title=title, xlabel="communication step (s)")
+            axis.legend(title="slope", loc="upper center", bbox_to_anchor=(0.5, -0.2))
+        axes[0].set_ylabel("largest scaled error (1)")
+        pictures.save(figure, path)
 
 
 def main() -> None:
@@ -121,6 +127,7 @@ def main() -> None:
         results = {s.title: {"fixed": measure(s)} for s in systems}
         for system, result in zip((Pair(Path(folder)), systems[1]), results.values()):
             result["variable"] = measure_variable(system)
+    OUT.mkdir(parents=True, exist_ok=True)
     draw(results, OUT / "orders.png")
     if "--json" in sys.argv:
         print(json.dumps({"steps_s": STEPS, "orders": results, "figure": str(OUT / "orders.png")}))
