@@ -6,6 +6,7 @@ What is drawn is computed by the functions that the tests run (tests/claims.py, 
 """
 import json
 import sys
+from itertools import takewhile
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -61,8 +62,8 @@ def save(figure, name):
 
 
 def errors_over_time(flights, panels, title, name):
-    """Panels (quantity, unit, function of a flight), a curve for each of `flights` (by label) and, below, its difference
-    from the first; and where they differ most."""
+    """Panels (quantity, unit, function of a flight), a curve for each of `flights` (by label) and, below, its
+    difference from the first; and where they differ most."""
     found = []
     first = next(iter(flights))
     for quantity, unit, value in panels:
@@ -167,8 +168,8 @@ def margins():
             curve = -response(cut.A, cut.B, cut.C, cut.D, omega, 0.01)[:, 0, 0]
             found = margins_at(cut)
             low, high = (f"{value:.2f}" if value else "–" for value in (found.gain_down, found.gain_up))
-            axes[0, column].loglog(omega, np.abs(curve), **line,
-                                   label=f"{law.partition(' (')[0]}: gain {low} to {high}, phase {found.phase_deg:.0f}°")
+            said = f"gain {low} to {high}, phase {found.phase_deg:.0f}°"
+            axes[0, column].loglog(omega, np.abs(curve), label=f"{law.partition(' (')[0]}: {said}", **line)
             # Unwrapped, and 0 to -360 where the gain is near one, so that -180 is met and not jumped over.
             phase = np.degrees(np.unwrap(np.angle(curve)))
             crossing = crossings(omega, np.abs(curve))
@@ -296,9 +297,9 @@ def instruments():
                     for d in delays]
             loud = [summary(loaded.fly("case1", {"plant": {n: float(f) * v for n, v in NOISE.items()}}))
                     for f in factors]
-        for axis, xs, ys in ((axes[0], delays, [f.h if f.survived else np.nan for f in late]),
-                             (axes[1], factors, [f.travel if f.survived else np.nan for f in loud])):
-            axis.plot(xs, ys, marker=mark, label=name, **line)
+        for axis, xs, flown, what in ((axes[0], delays, late, "h"), (axes[1], factors, loud, "travel")):
+            kept = list(takewhile(lambda f: f.survived, flown))
+            axis.plot(xs[:len(kept)], [getattr(f, what) for f in kept], marker=mark, label=name, **line)
     axes[0].set(xlabel="delay of all sensors (ms)", ylabel="max altitude error in Case 1 (ft)", yscale="log")
     axes[1].set(xlabel="factor on the noise (1)", ylabel="elevator travel in Case 1 (deg in 100 s)", xscale="log",
                 yscale="log")
@@ -307,8 +308,8 @@ def instruments():
         axis.set_major_formatter(number)
         axis.set_minor_formatter("")
     axes[1].set_title("noise at factor 1: 0.1 ft/s, 0.3 ft, 2e-5 rad, 2e-4 rad/s rms", fontsize=7)
-    axes[0].set_title("a curve ends where the flight is lost", fontsize=7)
-    axes[0].legend(loc="upper left")
+    axes[0].set_title("a curve ends before the first flight that is lost", fontsize=7)
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
     save(figure, "instruments")
     return result
 

@@ -100,7 +100,7 @@ def measure_variable(system) -> dict:
 
 
 def draw(results: dict, path: Path) -> None:
-    """Log-log curves, one for each algorithm: held inputs as lines with full marks, inputs with a slope as hollow marks."""
+    """Log-log curves, one for each algorithm; hollow marks for inputs that follow their last slope."""
     with pictures.style():
         figure = Figure(figsize=(pictures.WIDTHS[2], 3.6), layout="constrained")
         axes = figure.subplots(1, len(results), sharey=True)

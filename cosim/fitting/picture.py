@@ -7,10 +7,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure  # without pyplot, which keeps every figure
 
+from ..pictures import COLOURS, MARKS
 from ..text import without_math
 
-COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")  # Okabe and Ito
-MARKS = ("o", "s", "^", "D", "v", "P", "X")
 PANELS = 5   # signals in a picture
 LEGEND = 7   # flights that it names
 
