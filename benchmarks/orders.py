@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullLocator
 from scipy.linalg import expm
 
 HERE = Path(__file__).parent
@@ -100,24 +101,32 @@ def measure_variable(system) -> dict:
 
 
 def draw(results: dict, path: Path) -> None:
-    """Log-log curves, one for each algorithm; hollow marks for inputs that follow their last slope."""
+    """Errors over the step, and below over Jacobi's; hollow marks for inputs that follow their last slope."""
+    ms = 1e3 * np.array(STEPS)
     with pictures.style():
-        figure = Figure(figsize=(pictures.WIDTHS[2], 3.6), layout="constrained")
-        axes = figure.subplots(1, len(results), sharey=True)
-        for axis, (title, found) in zip(axes, results.items()):
-            looks = zip(pictures.styled(len(found["fixed"])), pictures.MARKS)
-            for (word, row), (line, mark) in zip(found["fixed"].items(), looks):
-                axis.loglog(STEPS, row["errors"], marker=mark, fillstyle="none" if "linear" in word else "full",
-                            markersize=5, label=f"{word}: {row['slope']:.2f}", **line)
+        figure = Figure(figsize=(pictures.WIDTHS[2], 5.6), layout="constrained")
+        axes = figure.subplots(2, len(results), sharex=True, height_ratios=(3, 2))
+        for (above, below), (title, found) in zip(axes.T, results.items()):
+            count, jacobi = len(found["fixed"]), np.array(found["fixed"]["jacobi"]["errors"])
+            # Where curves coincide, the larger marks are seen around the smaller.
+            looks = zip(pictures.styled(count), pictures.MARKS, np.linspace(8, 3.5, count))
+            for (word, row), (line, mark, size) in zip(found["fixed"].items(), looks):
+                look = {"marker": mark, "markersize": size, "fillstyle": "none" if "linear" in word else "full", **line}
+                above.plot(ms, row["errors"], label=f"{word}: {row['slope']:.2f}", **look)
+                below.plot(ms, row["errors"] / jacobi, **look)
             for order in (1, 2):
-                guide = np.array(STEPS) ** order
-                height = found["fixed"]["jacobi"]["errors"][-1] / guide[-1] / 3 ** order
-                axis.loglog(STEPS, height * guide, "-", color="0.6", linewidth=0.8)
-                axis.annotate(f"order {order}", (STEPS[1], height * guide[1]), (0, -3), textcoords="offset points",
-                              color="0.35", fontsize=7, va="top")
-            axis.set(title=title, xlabel="communication step (s)")
-            axis.legend(title="slope", loc="upper center", bbox_to_anchor=(0.5, -0.2))
-        axes[0].set_ylabel("largest scaled error (1)")
+                guide = jacobi[-1] / 3 ** order * (ms / ms[-1]) ** order
+                above.plot(ms, guide, "-", color="0.6", linewidth=0.8)
+                above.annotate(f"{order}", (ms[0], guide[0]), (-3, 0), textcoords="offset points", ha="right",
+                               va="center", color="0.35", fontsize=7)
+            above.set(title=title, xscale="log", yscale="log")
+            below.set(xlabel="communication step (ms)", yscale="log")
+            below.set_xticks(ms, [f"{step:g}" for step in ms])
+            below.xaxis.set_minor_locator(NullLocator())
+            below.legend(*above.get_legend_handles_labels(), title="slope (grey lines: 1 and 2)", loc="upper center",
+                         bbox_to_anchor=(0.5, -0.3))
+        axes[0, 0].set_ylabel("largest scaled error (1)")
+        axes[1, 0].set_ylabel("error over that of jacobi (1)")
         pictures.save(figure, path)
 
 

@@ -79,11 +79,16 @@ class Panel:
     height: float = 1.2  # inches
 
 
+def colour(number: int) -> str:
+    """The palette's colour of curve `number`, from its begin again after the last."""
+    return COLOURS[number % len(COLOURS)]
+
+
 def styled(count: int) -> list[dict[str, Any]]:
     """Colour, line style and width of each of `count` curves that share axes; thinner from the first to the last."""
     widths = np.linspace(THICK, THIN, count) if count > 1 else [1.2]
     looks = zip(widths, cycle(COLOURS), cycle(LINES))
-    return [{"color": colour, "linestyle": line, "linewidth": width} for width, colour, line in islice(looks, count)]
+    return [{"color": hue, "linestyle": line, "linewidth": width} for width, hue, line in islice(looks, count)]
 
 
 @contextmanager
