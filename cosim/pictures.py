@@ -225,7 +225,7 @@ def merged(curves: Sequence[Curve]) -> list[Curve]:
     return found
 
 
-def where_they_differ(panels: Sequence[Panel], share: float = 0.1) -> tuple[float, float] | None:
+def where_they_differ(panels: Sequence[Panel], share: float = 0.05) -> tuple[float, float] | None:
     """The interval (s), `share` of all time long, in which the curves of the panels differ most, each by the range of
     its panel; None where no panel has two curves that differ."""
     many = [[c for c in panel.curves if not c.line] for panel in panels]

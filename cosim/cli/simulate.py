@@ -4,7 +4,7 @@ from typing import Annotated
 
 import typer
 
-from .options import Columns, Decimate, Figures, Json, Out, Record, Stream, TimeLimit, place
+from .options import Columns, Decimate, Json, Out, Record, Stream, TimeLimit, place
 from .show import conclude, report
 
 ALGORITHM = ("gauss-seidel (the default, unless the file says another), jacobi, multi-rate, variable or iterated; for "
@@ -31,7 +31,8 @@ def simulate(
                                                  help="Go on from a state that --save wrote.")] = None,
     time_limit: TimeLimit = None,
     stream: Stream = False,
-    figures: Figures = "png",
+    figures: Annotated[str | None, typer.Option("--figures", metavar="png|pdf|svg", help="Draw, as --plot does, in this "
+                                                "format.")] = None,
     columns: Columns = 2,
     out: Out = None,
     as_json: Json = False,
@@ -40,8 +41,9 @@ def simulate(
     from ..pictures import Format
     from ..systems.simulate import simulate as fly
 
+    form, drawn = Format(figures or "png", columns), plot or figures is not None
     summary, flight, trouble = fly(file, step, stop, algorithm, out, time_limit, stream, start=start,
                                    tolerance=tolerance, values=set_, inputs=input_, record=record, decimate=decimate,
-                                   plot=plot, save=save, restore=restore, form=Format(figures, columns))
+                                   plot=drawn, save=save, restore=restore, form=form)
     report(summary, as_json)
     conclude(flight.finished, [flight.message], trouble, flight.interrupted)

@@ -101,7 +101,7 @@ def test_the_campaign_of_the_page_is_one():
     assert Campaign.model_validate(yaml.safe_load(text[1])).runs == 200
 
 
-@pytest.mark.parametrize("script", ["draw_blocks", "draw_vehicle"])
+@pytest.mark.parametrize("script", ["draw_blocks", "draw_vehicle", "draw_stepping", "draw_campaign"])
 def test_pictures_can_be_drawn_again(script, tmp_path):
     subprocess.run([sys.executable, ROOT / "docs" / f"{script}.py", tmp_path], check=True)
     drawn = sorted(path.name for path in tmp_path.iterdir())
