@@ -27,13 +27,14 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
         text = (ROOT / name).read_text()
         content = f"# Licence\n\n```text\n{text}```\n" if name == "LICENSE" else re.sub(r"\]\(([^)]+)\)", moved, text)
         files.append(File.generated(config, target, content=content))
-    files.append(File.generated(config, PLAYGROUND, content=write.page(write.modules())))
+    if config.extra["playground"]:
+        files.append(File.generated(config, PLAYGROUND, content=write.page(write.modules())))
     return files
 
 
 def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Files) -> str:
     """Links from docs/ to the root, as they are on a repository's page; and to the playground, which the site has."""
-    if page.file.src_uri == "playground.md":
+    if page.file.src_uri == "playground.md" and config.extra["playground"]:
         markdown = markdown.replace("\n\n", f"\n\n[Open the playground]({PLAYGROUND}){{ .md-button }}\n\n", 1)
     return re.sub(r"\]\((?:\.\./)+(README|CONTRIBUTING|CHANGELOG|SECURITY)\.md", lambda m: f"]({PAGES[m[1] + '.md']}",
                   markdown)

@@ -109,13 +109,16 @@ def histograms(results: list[Results], metrics: Mapping[str, Metric]) -> Figure:
         log = wide(together)
         if len(together):
             low, high = float(together.min()), float(together.max())
-            high = high if high > low else low + 1e-9 + abs(low) * 1e-6
+            if low == high:
+                low, high = low - 0.05 * (abs(low) or 1), high + 0.05 * (abs(low) or 1)
             bins = np.geomspace(low, high, 50) if log else np.linspace(low, high, 50)
             for i, (r, values) in enumerate(zip(results, columns)):
                 axis.hist(values, bins, alpha=0.5, label=r.law, color=colour(i))
         if log:
             axis.set_xscale("log")
-        axis.set_xlabel(f"{name} ({metric.unit})" if metric.unit else name)
+        endless = sum(int(np.isinf(r.columns[name]).sum()) for r in results)
+        axis.set_xlabel((f"{name} ({metric.unit})" if metric.unit else name)
+                        + (f"; not shown: {endless:,} infinite" if endless else ""))
         axis.set_ylabel("runs")
         axis.grid(True, alpha=0.3)
     axes[0, 0].legend(fontsize="small")
@@ -182,7 +185,8 @@ def every(plan: Plan, results: list[Results], errors: pa.Table, draws: list[str]
     if plan.headlines:
         made["histograms"] = lambda: histograms(results, {name: plan.metrics[name] for name in plan.headlines})
     if errors.num_rows:
-        labels = {name: label for name, (label, _) in subject.over_time.items()}
+        labels = {name: on_axes([name], plan.labels)[name] if name == label else label
+                  for name, (label, _) in subject.over_time.items()}
         made["envelopes"] = lambda: envelopes(results, errors, labels, subject.start, subject.stop)
     if results[0].drivers(draws, metric):
         made["drivers"] = lambda: drivers(results, draws, metric, plan.labels)

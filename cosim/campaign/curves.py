@@ -50,18 +50,22 @@ class Curves:
         self.signals = pq.read_table(store.file("signals"), filters=pa.compute.field("run").isin(chosen))
         self.subject, self.labels = store.plan.subject, store.plan.labels
 
+    def said(self, name: str) -> str:
+        """A signal with its unit and what the FMU says of it."""
+        return self.labels.get(name, Label(name)).said
+
     def of(self, run: int, variant: str) -> str:
         """The small pictures of a run, as HTML; empty if nothing of it was kept."""
         found = []
         for row in mine(self.errors, self.subject.column, run, variant).to_pylist():
             time = np.array(row["time"], float)
-            found += [small(label, time, np.array(row[name], float))
+            found += [small(self.said(name) if name == label else label, time, np.array(row[name], float))
                       for name, (label, _) in self.subject.over_time.items()]
         kept = mine(self.signals, self.subject.column, run, variant)
         for name in kept.column_names[3:] if kept.num_rows else ():
             values = kept[name].to_numpy()
             if np.isfinite(values).any() and np.nanmin(values) < np.nanmax(values):
-                found.append(small(self.labels.get(name, Label(name)).said, kept["time"].to_numpy(), values))
+                found.append(small(self.said(name), kept["time"].to_numpy(), values))
         return "".join(found[:MOST_CURVES])
 
 

@@ -97,10 +97,11 @@ class Engine:
         Raises RunError if the cluster is lost, or cannot fly at all.
         """
         missing = iter(batches) if batches is not None else (Batch(self.plan, *span) for span in self.store.missing())
+        rule = self.store.front.rule is not None  # it waits for each run in turn: those that are suspected come first
         while self.store.front.stopped is None:
             with asking():
                 most = AHEAD * max(1, sum(self.client.nthreads().values()))
-            while len(self.flying) < most:
+            while len(self.flying) < most and not (rule and self.suspects):
                 if (batch := next(missing, None)) is None:
                     break
                 self.submit(batch, list(range(batch.size)))

@@ -4,6 +4,7 @@ from itertools import islice, product
 from typing import Any
 
 import numpy as np
+from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
@@ -18,6 +19,7 @@ from .statistics import Results
 
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")  # Okabe and Ito's
 MARKS = "osD^vPX"
+MAP = colormaps["cividis"].with_extremes(under=COLOURS[5], over=COLOURS[1])
 MOST_PANELS, MOST_TICKS, MOST_NUMBERS = 24, 9, 50  # of a figure, of an axis, written into the cells of a panel
 
 
@@ -122,10 +124,7 @@ def maps(plan: Plan, results: list[Results], metric: str) -> Figure:
     rows = -(-len(panels) // columns)
     made, axes = figure(0.8 + (4.6 if columns == 1 else 3.4) * rows, rows, columns, sharex=True, sharey=True)
     over = {r.law: (cells(r, metric, shape), cells(r, "success", shape)) for r in results}
-    values = np.concatenate([np.ravel(found) for found, _ in over.values()])
-    values = values[np.isfinite(values)]
-    low, high = (values.min(), values.max()) if len(values) else (0.0, 1.0)
-    scale = LogNorm(low, high) if wide(values) else Normalize(low, high)
+    scale, beyond = colours(*(np.concatenate([part.ravel() for part in parts]) for parts in zip(*over.values())))
     for axis, (r, at) in zip(axes.flat, panels):
         chosen: list[Any] = [slice(None)] * len(draws)
         for i, level in zip(others, at):
@@ -141,8 +140,20 @@ def maps(plan: Plan, results: list[Results], metric: str) -> Figure:
         axis.set_visible(False)
     made.supxlabel(label(plan, draws[x]), fontsize="medium")
     made.supylabel(label(plan, draws[y]), fontsize="medium")
-    made.colorbar(mesh, ax=axes, label=metric_label(plan, metric))
+    made.colorbar(mesh, ax=axes, label=metric_label(plan, metric), extend=beyond)
     return made
+
+
+def colours(values: np.ndarray, success: np.ndarray) -> tuple[Normalize, str]:
+    """The scale of a map, from the successes' values where these differ, since failures can be far off; and at which
+    end values lie beyond it."""
+    every = values[np.isfinite(values)]
+    inner = values[np.isfinite(values) & (success == 1)]
+    shown = inner if len(inner) and np.ptp(inner) > 0 else every if len(every) else np.array([0.0, 1.0])
+    low, high = float(shown.min()), float(shown.max())
+    below, above = bool((every < low).any()), bool((every > high).any())
+    beyond = "both" if below and above else "min" if below else "max" if above else "neither"
+    return (LogNorm if wide(shown) else Normalize)(low, high), beyond
 
 
 def heat(axis: Axes, x: np.ndarray, y: np.ndarray, values: np.ndarray, success: np.ndarray, scale: Normalize) -> Any:
@@ -151,7 +162,7 @@ def heat(axis: Axes, x: np.ndarray, y: np.ndarray, values: np.ndarray, success: 
     axis.set_facecolor("#bbbbbb")
     columns, rows = np.argsort(x), np.argsort(y)
     x, y, values, success = x[columns], y[rows], values[np.ix_(rows, columns)], success[np.ix_(rows, columns)]
-    mesh = axis.pcolormesh(borders(x), borders(y), np.ma.masked_invalid(values), norm=scale, cmap="cividis")
+    mesh = axis.pcolormesh(borders(x), borders(y), np.ma.masked_invalid(values), norm=scale, cmap=MAP)
     few = values.size <= MOST_NUMBERS and len(x) <= 10
     for j, i in np.argwhere(np.isfinite(success)):
         bright = np.isfinite(values[j, i]) and scale(values[j, i]) > 0.5

@@ -8,7 +8,7 @@ from typing import Any
 
 from pydantic import create_model
 
-from ..errors import UsageError
+from ..errors import UsageError, nearest
 from ..master.algorithms import method
 from ..master.connections import checked_connections, recorded_names
 from ..master.fly import tick_count
@@ -143,7 +143,7 @@ def load(path: Path, *subjects: type[Subject]) -> Plan:
 
 def read(source: Source, *subjects: type[Subject]) -> tuple[Campaign, type[Subject]]:
     """What a campaign file says, and what kind of subject it is of. Raises UsageError for a field that is wrong."""
-    kinds: tuple[type[Subject], ...] = (*subjects, SystemSubject)
+    kinds: list[type[Subject]] = [*subjects, SystemSubject]
     given = source.data if isinstance(source.data, dict) else {}
     named = [kind for kind in kinds if kind.field in given]
     if len(named) > 1:
@@ -154,9 +154,12 @@ def read(source: Source, *subjects: type[Subject]) -> tuple[Campaign, type[Subje
             if named and name in other.fields.model_fields and name not in subject.fields.model_fields:
                 source.fail((name,), f"this belongs to {other.field}, and the file has {subject.field}")
     if given and not named:
-        known = {name for kind in kinds for name in (*kind.fields.model_fields, *Campaign.model_fields)}
-        if all(name in known for name in given):
-            source.fail((), f"{' or '.join(kind.field for kind in kinds)} is missing")
+        known = dict.fromkeys(name for kind in kinds for name in (*Campaign.model_fields, *kind.fields.model_fields))
+        for name in given:
+            if name not in known:
+                near = nearest(str(name), known)
+                source.fail((name,), f"there is no such field{f'; did you mean {near}?' if near else ''}")
+        source.fail((), f"{' or '.join(kind.field for kind in kinds)} is missing")
     bases: tuple[Any, ...] = (Campaign, subject.fields)
     model: type[Campaign] = create_model("CampaignFile", __base__=bases)
     campaign = source.load(model)
@@ -196,7 +199,6 @@ def make(campaign: Campaign, source: Source, kind: type[Subject]) -> Plan:
     first = draws[next(iter(systems))]
     check_measures(source, campaign, subject, signals, [d.name for d in first])
     check_rare(source, campaign, draws)
-    check_stop_when(source, campaign)
     runs = run_count(source, campaign, samples, first)
     written, campaign = (c.model_copy(update={"runs": runs}) for c in (written, campaign))
     sampler = Sampler(campaign.sampling, campaign.seed, runs, len(free(first)), all_mixings(source, campaign, first),
@@ -243,7 +245,7 @@ def check_values(source: Source, campaign: Campaign, subject: Subject, variant: 
         for variable, value in component.values.items():
             with source.at(subject.field):
                 checked(files, f"{component.name}.{variable}", value)
-    with source.at(subject.wires):
+    with source.at(*subject.wires[variant]):
         return {target: link.source for target, link in checked_connections(system, dict(files)).items()}
 
 
@@ -270,9 +272,10 @@ def check_stop_when(source: Source, campaign: Campaign) -> None:
     if rule.probability not in ("success", *campaign.success):
         source.fail(("stop_when", "probability"), f"{rule.probability} is no criterion; there are "
                     f"{', '.join(dict.fromkeys(('success', *campaign.success)))}")
-    if campaign.sampling != "random":
-        source.fail(("stop_when",), f"it needs sampling: random, not {campaign.sampling}: its confidence is that of "
-                    "independent draws")
+    other = "samples" if campaign.samples is not None else campaign.sampling
+    if other != "random":
+        source.fail(("stop_when",), f"it needs sampling: random, not {other}: its confidence is that of independent "
+                    "draws")
 
 
 def task_size(runs: int, ticks: int, python: bool) -> int:

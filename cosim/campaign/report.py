@@ -30,6 +30,7 @@ pre { background: #f4f4f4; padding: .5em; font-size: 12px; white-space: pre-wrap
 .note { color: #555; }
 .curves { display: flex; flex-wrap: wrap; gap: 1em; } .curves figure { margin: 0; width: 220px; font-size: 12px; }
 .curves polyline { fill: none; stroke: #2471a3; stroke-width: 1.2; } summary { cursor: pointer; }
+@media (max-width: 700px) { table { display: block; overflow-x: auto; } }
 """
 MOST_LISTED = 12  # values of a distribution
 EXPLAINED = {
@@ -46,7 +47,8 @@ EXPLAINED = {
                 "that act together. Draws that are correlated share what they explain."),
     "scatter": ("{metric} against each dispersion, {law}", "The first {points} judged runs at most; the "
                 "twelve strongest."),
-    "sweep": ("{law}", "Over the grid. A cross is a run that was no success; a grey cell has no value."),
+    "sweep": ("{law}", "Over the grid. A cross is a run that was no success; a grey cell of a map has no value. The "
+              "scale of a map is that of the successes, if there are any: orange is above, light blue below it."),
 }
 
 
@@ -187,6 +189,9 @@ def side_by_side(plan: Plan, summary: dict[str, Any]) -> str:
         for key in ("median", "p95"):
             rows.append([f"{with_unit(plan, name)}, {key}",
                          *(x["metrics"].get(name, {}).get(key, "") for x in found.values())])
+        endless = [x["metrics"].get(name, {}).get("infinite", 0) for x in found.values()]
+        if any(endless):
+            rows.append([f"{name}, infinite (in neither)", *(f"{count:,}" for count in endless)])
     pairs = "".join(f"<p>{escape(both)} on the same draws: {escape(counts_text(counts))}.</p>"
                     for both, counts in summary["paired"].items())
     return (f"<h2>The {noun}s side by side</h2><p class=note>Runs that finished or departed are judged. A run that "

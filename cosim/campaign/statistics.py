@@ -173,12 +173,14 @@ class Results:
 
     def summary(self, draws: list[str], metric: str | None, metrics: Iterable[str], noun: str) -> dict[str, Any]:
         """The numbers of report.json for this law, which is a `noun`."""
-        quantiles = {}
+        quantiles: dict[str, dict[str, float]] = {}
         for name in metrics:
             values = self.columns[name][np.isfinite(self.columns[name])]
             if len(values):
                 quantiles[name] = {"median": float(np.median(values)), "p95": float(np.quantile(values, 0.95)),
                                    "max": float(values.max())}
+            if endless := int(np.isinf(self.columns[name]).sum()):  # what never settled, or never came: apart
+                quantiles[name] = {**quantiles.get(name, {}), "infinite": endless}
         return {"runs": self.runs, "judged": self.judged, "successes": self.successes,
                 "failures": {noun: self.judged - self.successes, "machinery": self.runs - self.judged},
                 "probability": self.probability, "interval_95": list(self.interval),

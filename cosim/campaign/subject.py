@@ -1,20 +1,17 @@
 """What a campaign flies. `Subject` is all that a campaign knows of it; `SystemSubject` is that of any system's file."""
 from collections.abc import Callable, Container, Mapping, Sequence, Set
 from contextlib import ExitStack
-from dataclasses import replace
-from os.path import isfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Protocol
 
 from pydantic import AfterValidator, BaseModel, Field, field_validator
 
 from .. import names
-from ..errors import UsageError, did_you_mean
 from ..master.course import Course
 from ..master.flight import Flight
 from ..master.system import System, Value
 from ..systems.load import load_system
-from ..systems.words import experiment
+from ..systems.words import experiment, with_fmus
 from ..yaml_file import Source
 from .dispersions import with_values
 from .spec import Finite, Name, Positive, Strict
@@ -49,12 +46,12 @@ class Subject(Protocol):
     fields: ClassVar[type[BaseModel]]
     column: ClassVar[str]
     noun: ClassVar[str]
-    wires: ClassVar[str]                        # the field that is to blame for connections
     drawn: ClassVar[tuple[str, str]]            # title and first words of what is said of `over_time`
     name: str                                   # as the report has it
     remark: str                                 # how it is flown, as the end of a sentence
     systems: Mapping[str, System]               # of each variant, with all values that are set
     places: Mapping[str, Place]                 # of each variant: where the file has it
+    wires: Mapping[str, Place]                  # of each variant: the field to blame for connections that do not fit
     sets: Mapping[str, Mapping[str, Value]]     # of each variant: what the file sets of it alone
     start: float                                # s, as `stop` and `step`
     stop: float
@@ -123,7 +120,6 @@ class SystemSubject:
     fields: ClassVar[type[BaseModel]] = SystemFields
     column: ClassVar[str] = "variant"
     noun: ClassVar[str] = "variant"
-    wires: ClassVar[str] = "system"
     drawn: ClassVar[tuple[str, str]] = "Signals over time", "Each signal"
 
     def __init__(self, campaign: Any, source: Source) -> None:
@@ -146,6 +142,7 @@ class SystemSubject:
         self.variants = {variant.name: variant for variant in variants}
         self.places: Mapping[str, Place] = {v.name: ("variants", i) if asked.variants else ("system",)
                                             for i, v in enumerate(variants)}
+        self.wires: Mapping[str, Place] = self.places
         self.sets: Mapping[str, Mapping[str, Value]] = {v.name: v.set for v in variants}
         self.systems: Mapping[str, System] = {
             v.name: with_values(self.exchanged(found.system, v, source), {**base.set, **v.set}) for v in variants}
@@ -161,21 +158,17 @@ class SystemSubject:
             "start": self.start, "stop": self.stop, "step": self.step, "algorithm": self.algorithm,
             "tolerance": self.tolerance}
 
-    def fmu(self, word: str) -> Path:
-        """The FMU that a variant names."""
-        return (self.folder / Path(word).expanduser()).resolve()
-
     def exchanged(self, system: System, variant: Variant, source: Source) -> System:
         """`system` with the FMUs of a variant. Raises UsageError for a component or a file that is not there."""
-        known = [c.name for c in system.components]
-        for component, word in variant.fmus.items():
+        for component, file in self.fmus(variant).items():
             with source.at(*self.places[variant.name], "fmus", component):
-                if component not in known:
-                    raise UsageError(f"there is no component {component}{did_you_mean(component, known)}")
-                if not isfile(self.fmu(word)):
-                    raise UsageError(f"there is no file {word}")
-        return replace(system, components=tuple(replace(c, fmu=self.fmu(variant.fmus[c.name]))
-                                                if c.name in variant.fmus else c for c in system.components))
+                system = with_fmus(system, {component: file})
+        return with_fmus(system, {})
+
+    def fmus(self, variant: Variant) -> dict[str, Path]:
+        """Component -> the file that a variant has there."""
+        return {component: (self.folder / Path(word).expanduser()).resolve()
+                for component, word in variant.fmus.items()}
 
     def needed(self, signals: Set[str]) -> set[str]:
         """Which of `signals` are drawn over time."""
@@ -188,8 +181,8 @@ class SystemSubject:
     def command(self, variant: str) -> list[str]:
         """The words that fly a variant, but for values and folder."""
         words = ["ahv", "simulate", str(self.path)]
-        for component, word in self.variants[variant].fmus.items():
-            words += ["--fmu", f"{component}={self.fmu(word)}"]
+        for component, file in self.fmus(self.variants[variant]).items():
+            words += ["--fmu", f"{component}={file}"]
         if self.start:
             words += ["--start", repr(self.start)]
         words += ["--step", repr(self.step), "--stop", repr(self.stop), "--algorithm", self.algorithm]

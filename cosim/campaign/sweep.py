@@ -53,7 +53,10 @@ class CommandLine(Source):
 
     def __init__(self, text: str):
         self.path = Path("sweep.yaml").absolute()
-        self.read(text)
+        try:
+            self.read(text)
+        except yaml.MarkedYAMLError as error:
+            raise UsageError(f"This is no sweep: {error.problem}.") from None
 
     def fail(self, place: Place, message: str) -> NoReturn:
         """Raises UsageError "WORD: MESSAGE" for the field at `place`."""

@@ -16,7 +16,7 @@ def campaign(
     scheduler: Annotated[str | None, typer.Option(metavar="ADDRESS", help="Dask scheduler; else a local one.")] = None,
     workers: Annotated[int | None, typer.Option(help="Local worker processes; else one for each core.", min=1,
                                                           max=1000)] = None,
-    resume: Annotated[bool, typer.Option("--resume", help="Continue an interrupted campaign.")] = False,
+    resume: Annotated[bool, typer.Option("--resume", help="Continue a campaign, also with more runs.")] = False,
     tls_ca: Annotated[Path | None, typer.Option(metavar="FILE", parser=place,
                                                  help="CA, for a scheduler with TLS.")] = None,
     tls_cert: Annotated[Path | None, typer.Option(metavar="FILE", parser=place,

@@ -72,15 +72,23 @@ def is_system(word: str) -> bool:
 
 def scenario(word: str, controller: list[str], preset: str | None, flavour: str | None, plant: str) -> dict[str, Any]:
     """The fields of a campaign file for a scenario."""
-    from ..vehicle.closed_loop import absolute, chosen_presets
+    from ..vehicle.closed_loop import chosen_presets
     from ..vehicle.scenarios import BUILT_IN
 
     presets = chosen_presets(preset)
     own = said(preset=presets.pop("controller", None))
-    named = [absolute(law, Path.cwd()) for law in controller or ["neural"]]
+    named = [absolute(law) for law in controller or ["neural"]]
     laws = [{"law": law, **own} if own else law for law in named]
     return {"scenario": str(place(word).absolute()) if word not in BUILT_IN and isfile(place(word)) else word,
-            "controllers": laws, **said(presets=presets, flavour=flavour, plant=absolute(plant, Path.cwd()))}
+            "controllers": laws, **said(presets=presets, flavour=flavour, plant=absolute(plant))}
+
+
+def absolute(word: str) -> str:
+    """A word for a law or a plant, with the file that it names (if it names one) as an absolute path."""
+    from ..vehicle.closed_loop import names_file
+
+    name, equals, file = word.rpartition("=")
+    return f"{name}{equals}{place(file).absolute()}" if names_file(word) else word
 
 
 def said(**options: Any) -> dict[str, Any]:

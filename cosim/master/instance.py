@@ -12,6 +12,7 @@ from .fmu import FmuFile
 from .library import Library
 from .logger import ENVIRONMENTS, NUMBERS, Environment
 from .program import DISCARD, DTYPES, FATAL, OK, WARNING
+from .python_modules import make_way
 from .standards import standard
 from .system import Value
 
@@ -44,6 +45,7 @@ class Instance:
                              f"one instance in a process (canBeInstantiatedOnlyOncePerProcess).")
         self.number = next(NUMBERS)
         self.messages = ENVIRONMENTS.setdefault(self.number, Environment(name.encode())).messages
+        make_way(file.folder)
         last_call.begin(f"{self.label}: {self.standard.PREFIX}Instantiate")
         try:
             self.library = Library(file.folder.resolve() / "binaries" / self.standard.PLATFORM

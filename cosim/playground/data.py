@@ -2,23 +2,26 @@
 
 All of it is read from the FMUs, the registry and the master; the page has no table of its own but layout.json.
 """
-import re
+import ast
+import json
 from importlib.metadata import version
+from pathlib import Path
 from typing import Any
 
 from ..master import program as P
 from ..master.algorithms import method
 from ..master.algorithms.base import Experiment, Fixed
-from ..master.course import terms
 from ..master.declared import Variable
 from ..master.description import Description
+from ..master.evaluate import word
 from ..master.fmu import FmuFile
 from ..master.loaded import Master, open_files
+from ..master.measures import Expression
 from ..master.recording import Recorder
 from ..master.system import System, Value
 from ..vehicle.closed_loop import FOLLOWS, LIMITS, closed_loop, fmu_path
 from ..vehicle.limits import ACTUATORS, PAUSE, SHARE
-from ..vehicle.metrics import METRICS, Metric
+from ..vehicle.metrics import METRICS
 from ..vehicle.registry import LAWS, MODELS, PLANTS, SCENARIO, Model
 from ..vehicle.scenarios import BUILT_IN
 from ..vehicle.signals import STANDS_IN
@@ -26,7 +29,8 @@ from ..vehicle.trim import ARRIVED
 
 FLAVOUR = "native"
 ALGORITHM, STEP = "gauss-seidel", 0.01  # the default ones of `ahv run`
-FIGURE = re.compile(r"(?:degrees\()?(max_abs|rms|min|max|travel|time_on)\((?:degrees\()?([^()]+)\)+")
+LAYOUT = Path(__file__).parent / "page" / "layout.json"
+OPERATORS = {ast.Add: "+", ast.Sub: "-"}
 Plan = dict[str, list[Any]]
 
 
@@ -40,17 +44,30 @@ def about() -> dict[str, Any]:
         "fmus": {name: declared(name) for name in MODELS},
         "plans": {law: {plant: plan(closed_loop(BUILT_IN["hold"], law, plant, FLAVOUR).system) for plant in PLANTS}
                   for law in LAWS},
-        "metrics": {name: figure(metric) for name, metric in METRICS.items()},
+        "metrics": {name: {"unit": metric.unit, "expression": tree(metric.expression.tree)}
+                    for name, metric in METRICS.items()},
+        "layout": layout(),
         "stands_in": STANDS_IN, "follows": FOLLOWS, "limits": LIMITS,
         "remarks": {"share": SHARE, "pause": PAUSE, "arrived": ARRIVED, "actuators": ACTUATORS},
     }
 
 
-def figure(metric: Metric) -> dict[str, Any]:
-    """A metric as the page computes it: a formula of a sum of signals, which in deg are converted from rad first."""
-    found = FIGURE.fullmatch(metric.text)
-    assert found, metric.text
-    return {"unit": metric.unit, "formula": found[1], "terms": terms(found[2])}
+def layout() -> dict[str, Any]:
+    """layout.json: what is in which section and panel; each line with the expression of its signal."""
+    found: dict[str, Any] = json.loads(LAYOUT.read_text(encoding="utf-8"))
+    for line in (line for panel in found["panels"] for line in panel["lines"]):
+        line["expression"] = tree(Expression(line["signal"]).tree)
+    return found
+
+
+def tree(part: ast.expr) -> Any:
+    """An expression on signals as the page reads it: a signal's name, or [function or operator, part, ...]."""
+    if name := word(part):
+        return name
+    if isinstance(part, ast.BinOp):
+        return [OPERATORS[type(part.op)], tree(part.left), tree(part.right)]
+    assert isinstance(part, ast.Call) and isinstance(part.func, ast.Name)
+    return [part.func.id, *map(tree, part.args)]
 
 
 def named(model: Model) -> dict[str, Any]:

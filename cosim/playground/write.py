@@ -15,8 +15,8 @@ FILES = Path(__file__).parent / "page"
 STYLES = ("uplot/uPlot.min.css", "style.css")
 SCRIPTS = {  # element -> files; the worker runs the text of the first
     "engine": ("engine.js", "measures.js", "worker.js"),
-    "page": ("uplot/uPlot.iife.min.js", "state.js", "view.js", "decimate.js", "charts.js", "controls.js", "readout.js",
-             "main.js"),
+    "page": ("uplot/uPlot.iife.min.js", "state.js", "view.js", "ranges.js", "decimate.js", "charts.js", "controls.js",
+             "readout.js", "main.js"),
 }
 
 
@@ -42,8 +42,7 @@ def modules() -> dict[str, bytes]:
 
 def page(modules: Mapping[str, bytes]) -> str:
     """The page as a text of HTML, with these modules. Raises UsageError for FMUs that are not built."""
-    data = {**about(), "layout": json.loads(read("layout.json")),
-            "modules": {name: base64.b64encode(content).decode() for name, content in modules.items()}}
+    data = {**about(), "modules": {name: base64.b64encode(content).decode() for name, content in modules.items()}}
     style = "\n".join(map(read, STYLES))
     scripts = {name: "\n".join(map(read, files)) for name, files in SCRIPTS.items()}
     parts = {"policy": policy(style, scripts), "style": style, "data": embedded(data),

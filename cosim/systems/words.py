@@ -1,10 +1,12 @@
 """What users say of a system on the command line: values to set, signals to record, and the experiment."""
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from fnmatch import fnmatchcase
 from math import isfinite
+from os.path import isfile
+from pathlib import Path
 
 from ..errors import UsageError, did_you_mean
-from ..master.system import System, Value
+from ..master.system import Component, System, Value
 from .load import POINTS, Loaded
 
 DEFAULT_STEP = 0.01  # s, as that of `ahv run`
@@ -27,6 +29,29 @@ def assigned(words: Iterable[str], found: Loaded) -> System:
             raise UsageError(f"--set {word} is not of the form {form}.")
         values.setdefault(component, {})[variable] = value
     return with_values(found.system, values)
+
+
+def files(words: Iterable[str]) -> dict[str, Path]:
+    """COMPONENT=FILE.fmu words. Raises UsageError for one of another form."""
+    found = {}
+    for word in words:
+        component, _, file = word.partition("=")
+        if not (component and file):
+            raise UsageError(f"--fmu {word} is not of the form COMPONENT=FILE.fmu.")
+        found[component] = Path(file)
+    return found
+
+
+def with_fmus(system: System, fmus: Mapping[str, Path]) -> System:
+    """`system` with other FMUs for some components. Raises UsageError for a component or a file that is not there."""
+    known = [c.name for c in system.components]
+    for component, file in fmus.items():
+        if component not in known:
+            raise UsageError(f"There is no component {component}{did_you_mean(component, known)}")
+        if not isfile(file):
+            raise UsageError(f"There is no file {file}.")
+    return System([Component(c.name, fmus.get(c.name, c.fmu), c.values) for c in system.components],
+                  system.connections, system.step, system.stop, system.start)
 
 
 def with_values(system: System, values: Values) -> System:

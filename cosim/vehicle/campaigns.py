@@ -70,7 +70,6 @@ class Laws:
     fields: ClassVar[type[BaseModel]] = ScenarioFields
     column: ClassVar[str] = "controller"
     noun: ClassVar[str] = "law"
-    wires: ClassVar[str] = "plant"
     drawn: ClassVar[tuple[str, str]] = "Errors over time", "Plant minus reference"
 
     def __init__(self, campaign: Any, source: Source) -> None:
@@ -99,6 +98,7 @@ class Laws:
                 self.loops[law.name] = closed_loop(self.scenario, law.law, asked.plant, asked.flavour, presets, values,
                                                    folder=folder)
         self.places: Mapping[str, tuple[str | int, ...]] = {law: ("controllers", i) for i, law in enumerate(self.laws)}
+        self.wires: Mapping[str, tuple[str | int, ...]] = dict.fromkeys(self.laws, ("plant",))
         self.sets: Mapping[str, Mapping[str, Value]] = {name: law.set for name, law in self.laws.items()}
         self.systems: Mapping[str, System] = {name: loop.system for name, loop in self.loops.items()}
         self.remark = f", flavour {asked.flavour}, plant {asked.plant}"

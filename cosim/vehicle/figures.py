@@ -81,8 +81,9 @@ def draw(flight: Flight, title: str, panels: tuple[Panel, ...], columns: int = 2
     return pictures.over_time([panel_of(flight, panel) for panel in panels], without_math(title), columns)
 
 
-def write(out: Path, flight: Flight, name: str, first_figure: int | None = None, form: Format = PNG) -> list[Path]:
-    """Draw every picture that the flight has the signals for into `out`/figures; their paths.
+def write(out: Path, flight: Flight, name: str, first_figure: int | None = None, share: slice = slice(None),
+          form: Format = PNG) -> list[Path]:
+    """Draw every picture, or a share of them, that the flight has the signals for into `out`/figures; their paths.
 
     Those of the paper are numbered as there from `first_figure` on, or have plain names without one.
     """
@@ -90,7 +91,7 @@ def write(out: Path, flight: Flight, name: str, first_figure: int | None = None,
     folder.mkdir(exist_ok=True)
     numbers = dict(zip((key for key, _, _ in PICTURES), range(first_figure, 99))) if first_figure is not None else {}
     written = []
-    for key, title, panels in (*PICTURES, *MORE):
+    for key, title, panels in (*PICTURES, *MORE)[share]:
         if not available(flight, panels):
             continue
         ending = f" (ended at {flight.reached:.2f} s)" if flight.message else ""

@@ -50,6 +50,9 @@ ROOMS: dict[str, list[tuple[str, list[str] | None]]] = {
         ("cosim/master/parameter_set.py", ["unit/test_quantities system/test_ssp_reading"]),
         ("cosim/master/loop.c", ["system/test_loop_programs", "system/test_master_loops", "system/test_tables"]),
         ("cosim/master/*compile*.py", ["system/test_compile_loop", "system/test_master_loops"]),
+        ("cosim/master/evaluate.py", ["unit/test_measures unit/test_campaign_criteria"]),
+        ("cosim/master/measures.py", ["unit/test_measures unit/test_campaign_criteria"]),
+        ("cosim/master/condition.py", ["unit/test_measures"]),
         ("cosim/master/[wdq]*.py", ["unit/test_master_order unit/test_dependencies unit/test_quantities",
                                     "system/test_master_wiring", "system/test_master_answers",
                                     "system/test_python_library"]),
@@ -67,6 +70,8 @@ ROOMS: dict[str, list[tuple[str, list[str] | None]]] = {
     ],
     "campaign": [
         ("cosim/campaign/charts.py", ["unit/test_campaign_charts"]),
+        ("cosim/campaign/curves.py", ["unit/test_campaign_pages", INSIDE]),
+        ("cosim/campaign/labels.py", ["unit/test_campaign_pages unit/test_campaign_charts"]),
         ("cosim/campaign/[es]*.py", ["unit/test_campaign_statistics unit/test_campaign_sampling -k not covers",
                                      "system/test_campaign_file unit/test_campaign_summary",
                                      "unit/test_campaign_nominal", INSIDE]),

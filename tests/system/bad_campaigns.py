@@ -166,9 +166,9 @@ BAD = {
     "a field of no variant": (RUNS, RUNS + "\nvariants: [{name: a, sett: {}}]",
         "line 4: variants.0.sett: there is no such field."),
     "a variant of a component that is not there": (RUNS, RUNS + "\nvariants: [{name: a, fmus: {plnt: b.fmu}}]",
-        "line 4: variants.0.fmus.plnt: there is no component plnt; did you mean plant?"),
+        "line 4: variants.0.fmus.plnt: There is no component plnt; did you mean plant?"),
     "a variant of a file that is not there": (RUNS, RUNS + "\nvariants: [{name: a, fmus: {plant: b.fmu}}]",
-        "line 4: variants.0.fmus.plant: there is no file b.fmu."),
+        "line 4: variants.0.fmus.plant: There is no file b.fmu."),
     "a variant with a value that is not allowed": (RUNS, RUNS + "\nvariants: [{name: a, set: {plant.mass: -1}}]",
         "line 4: variants.0.set.plant.mass: plant.mass = -1.0 is not allowed: it must be between 0.3 and 300000 "
         "slug/ft."),

@@ -63,6 +63,16 @@ def test_the_report_holds_everything_inside(whole):
     assert "<script" not in text
 
 
+def test_each_listed_run_opens_with_its_command_and_its_curves(whole):
+    listed = re.findall(r"<pre>(ahv run .*?)</pre><details><summary>curves</summary>(.*?)</details>",
+                        (whole[1] / "report.html").read_text())
+    assert len(listed) == 20
+    kept = {f"{r['controller']}-{r['run']}" for r in pq.read_table(whole[1] / "signals.parquet").to_pylist()}
+    for command, curves in listed:
+        assert curves.count("<polyline") >= 2 and "altitude error (ft)<br>" in curves
+        assert ("plant.h (ft), altitude<br>" in curves) == (command.partition("small-")[2] in kept)
+
+
 def test_a_worst_run_s_command_flies_that_very_run(whole, tmp_path):
     _, out, _ = whole
     commands = re.findall(r"<pre>(.*?)</pre>", (out / "report.html").read_text())
@@ -261,8 +271,8 @@ def test_a_run_that_kills_its_worker_is_a_row_and_costs_no_other(tmp_path, monke
     assert len(rows(tmp_path / "out")) == 12
 
 
-def deadly(key, first, last, positions=None):
+def deadly(key, first, last, positions=None, points=None):
     asked = list(requests(JOBS[key], first, last))
     if any(asked[i].run == 5 for i in positions or range(len(asked))):
         os.abort()
-    return fly_batch(key, first, last, positions)
+    return fly_batch(key, first, last, positions, points)

@@ -13,9 +13,10 @@ import pytest
 from campaigns import load, tables, written
 from places import AHV
 from test_campaign import begun as client_begun
+from test_campaign import deadly
 from test_cases import ahv
 
-from cosim.campaign import report
+from cosim.campaign import cluster, engine, report
 from cosim.campaign import store as stores
 from cosim.campaign.receipt import Receipt
 from cosim.campaign.resume import prepare
@@ -118,7 +119,7 @@ def test_grown_is_the_same_as_flown_at_once(until, sampling, at_once, tmp_path):
     assert content(store) == at_once[sampling] and not store.parts.exists()
 
 
-@pytest.mark.parametrize("moved", range(len(KINDS) + 1))
+@pytest.mark.parametrize("moved", [0, 2, len(KINDS)])
 def test_a_kill_while_the_tables_become_a_part_loses_nothing(moved, at_once, tmp_path, monkeypatch):
     flown(tmp_path, **FEW)
     left, replace, unlink = [moved], Path.replace, Path.unlink
@@ -280,3 +281,35 @@ def test_500_runs_grown_to_2000_by_other_workers_and_killed_meanwhile_equal_2000
     ahv("campaign", more, "--out", tmp_path / "once", "--workers", 2)
     names = ("runs.parquet", "signals.parquet", "errors.parquet", "campaign.json", "receipt.json", "report.json")
     assert all((out / name).read_bytes() == (tmp_path / "once" / name).read_bytes() for name in names)
+
+
+@pytest.mark.slow
+def test_a_rule_ends_a_campaign_on_any_number_of_workers_at_the_same_run(tmp_path):
+    changes = {"stop": 10, "runs": 3000, "sampling": "random", "stop_when": {"half_width": 0.12},
+               "signals": {"failures": 5}}
+    found = []
+    for workers, size in ((1, 50), (2, 7)):
+        out = tmp_path / f"out{workers}"
+        file = written(tmp_path / f"file{workers}", **{**changes, "runs_per_task": size})
+        printed = json.loads(ahv("campaign", file, "--out", out, "--workers", workers, "--json"))
+        assert printed["stopped"]["why"] == "the interval is narrow enough"
+        assert printed["runs_flown_now"] >= 2 * printed["stopped"]["after_runs"] > 100
+        found.append((tables(out), (out / "receipt.json").read_bytes(), printed["stopped"]))
+    assert found[0] == found[1] and 100 < found[0][2]["after_runs"] < 500
+
+
+@pytest.mark.slow
+def test_a_run_that_kills_its_worker_does_not_keep_a_rule_from_ending_the_campaign(tmp_path, monkeypatch):
+    file = written(tmp_path, runs=3000, runs_per_task=4, controllers=["neural"], stop=1, sampling="random",
+                   stop_when={"half_width": 0.2}, signals={})
+    monkeypatch.setattr(engine, "fly_batch", deadly)
+    store = Store(tmp_path / "out", load(file))
+    store.folder.mkdir()
+    prepare(store, False, "")
+    with cluster.local(tmp_path / "work", 2, False) as client:
+        engine.send(client, store.plan)
+        engine.Engine(client, store.plan, store, lambda more, good: None).run()
+    store.finish()
+    rows = pq.read_table(store.file("runs"))
+    assert store.front.stopped == rows.num_rows < 100 and store.counts()[0] < 300
+    assert rows["status"].to_pylist()[5] == "crashed"

@@ -83,7 +83,8 @@ def test_another_file_is_another_campaign(tmp_path):
     again = load(tmp_path / "campaign.yaml")
     assert again.job.key != first.job.key and again.campaign.runs == 3
     path.write_text(ROWS)
-    assert load(tmp_path / "campaign.yaml").job.key == first.job.key
+    fewer = load(own(tmp_path, runs=2))
+    assert fewer.job.key == first.job.key and fewer.campaign.runs == 2  # which grows with --resume
 
 
 def test_measured_numbers_of_a_file_are_drawn(tmp_path):
@@ -186,6 +187,7 @@ WRONG_WORDS = {
     "controller.k_gamma=a:1:3": "a and 1 must be numbers.",
     "controller.k_gamma=1,a": "controller.k_gamma: values must be all numbers, all truths or all words.",
     "controller.k_gamma=0.2,-1": "controller.k_gamma = -1.0 is not allowed: it must be between 0 and inf 1/s.",
+    "controller.k_gamma=\ud800": "This is no sweep: half of a pair of code units",
     "controller.k_gamma=1,1": "controller.k_gamma: a value is given twice.",
 }
 

@@ -94,6 +94,19 @@ def test_every_pair_of_law_and_plant_has_the_calls_of_the_master(data):
             assert read == data["plans"][law][plant]["columns"]
 
 
+def names_in(expression) -> list[str]:
+    return [expression] if isinstance(expression, str) else [n for part in expression[1:] for n in names_in(part)]
+
+
+def test_the_page_computes_the_metrics_of_a_run(data):
+    known = set(re.findall(r"^  \"?([\w+-]+)\"?(?:: \(|\()", write.read("measures.js"), re.MULTILINE))
+    trees = [metric["expression"] for metric in data["metrics"].values()]
+    while trees:
+        name, *parts = trees.pop()
+        assert name in known
+        trees += [part for part in parts if isinstance(part, list)]
+
+
 def test_what_the_layout_names_exists(data):
     known = {c: set().union(*(data["fmus"][m]["variables"] for m in models)) for c, models in (
         ("scenario", [data["scenario"]["fmu"]]), ("controller", [law["fmu"] for law in data["laws"].values()]),
@@ -104,7 +117,8 @@ def test_what_the_layout_names_exists(data):
         for signal in (name for names in section.get("swings", {}).values() for name in names):
             assert all(f"{signal}_{part['variable']}" in known["scenario"] for part in data["layout"]["swing"])
     signals = {name for plans in data["plans"].values() for one in plans.values() for name in one["columns"]}
-    drawn = {name for panel in data["layout"]["panels"] for line in panel["lines"] for _, name in line["terms"]}
+    drawn = {name for panel in data["layout"]["panels"] for line in panel["lines"]
+             for name in names_in(line["expression"])}
     assert {data["stands_in"].get(name, name) for name in drawn} <= signals
 
 

@@ -138,3 +138,13 @@ def test_a_scatter_has_a_panel_for_each_of_the_twelve_strongest_drivers(draws, s
     axes = scatter(made, names, "altitude_error_ft.max_abs", {}).axes
     assert len(axes) == columns and sum(axis.get_visible() for axis in axes) == shown
     assert [axis.get_xlabel() for axis in axes[:shown]] == list(made.drivers(names, HEADLINES[0]))[:shown]
+
+
+def test_what_is_infinite_is_counted_and_not_shown():
+    values = np.where(np.arange(40) < 30, 2.0, np.inf)
+    axis = histograms([results(**{HEADLINES[0]: values})], JUDGED_BY).axes[0]
+    assert axis.get_xlabel() == f"{HEADLINES[0]} (ft); not shown: 10 infinite"
+    assert sum(bar.get_height() for bar in axis.patches) == 30 and axis.get_xlim()[0] < 1.9 < 2.1 < axis.get_xlim()[1]
+    found = results(**{HEADLINES[0]: values}).summary([], HEADLINES[0], METRICS, "law")["metrics"]
+    assert found[HEADLINES[0]] == {"median": 2.0, "p95": 2.0, "max": 2.0, "infinite": 10}
+    assert "infinite" not in found[HEADLINES[1]]

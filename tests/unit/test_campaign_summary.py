@@ -34,3 +34,12 @@ def test_the_report_says_whose_failures_there_are():
                 ("error", "9", "1,000", "0"), ("departed", "600", "0", "0")):
         assert "<tr>" + "".join(f"<td>{cell}</td>" for cell in row) + "</tr>" in text
     assert "both 1, not judged 2" in text
+
+
+def test_the_report_counts_runs_whose_metric_is_infinite():
+    laws = {"a": {**LAW, "metrics": {"late": {"median": 2.0, "p95": 3.0, "infinite": 1200}}}, "b": LAW}
+    plan = SimpleNamespace(subject=SimpleNamespace(noun="law", column="controller"), headlines=["late"],
+                           metrics={"late": SimpleNamespace(unit="s")})
+    text = side_by_side(plan, {**SUMMARY, "controllers": laws})
+    for row in ("late (s), median</td><td>2</td><td>", "late, infinite (in neither)</td><td>1,200</td><td>0"):
+        assert row in text

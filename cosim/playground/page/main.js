@@ -11,7 +11,10 @@ class Pilot {
       const url = URL.createObjectURL(new Blob([at("engine").textContent], { type: "text/javascript" }));
       this.worker = new Worker(url);
       this.worker.onmessage = ({ data }) => this.answered(data);
-      this.worker.onerror = event => { event.preventDefault(); this.alone(); };
+      this.worker.onerror = event => {
+        event.preventDefault();
+        this.alone();
+      };
       this.worker.postMessage({ about });
     } catch {
       this.alone();
@@ -55,17 +58,29 @@ class Pilot {
   }
 }
 
-let state, shown = null, before = null;
+let state,
+  shown = null,
+  before = null;
 
-const request = state => ({ law: state.law, plant: state.plant, step: state.step, stop: state.stop, values: valuesOf(about, state) });
+const request = state => ({
+  law: state.law,
+  plant: state.plant,
+  step: state.step,
+  stop: state.stop,
+  values: valuesOf(about, state),
+});
 
-const complain = text => { showRefusal(text); speak(`Not flown. ${text}`); };
+const complain = text => {
+  showRefusal(text);
+  speak(`Not flown. ${text}`);
+};
 
 const pilot = new Pilot(result => {
   before = shown ?? result;
   shown = result;
   showFlight(about, shown, before === shown ? null : before);
   charts.show(shown, before === shown ? null : before);
+  showWindow();
   document.documentElement.dataset.flights = Number(document.documentElement.dataset.flights ?? 0) + 1;
   speak(`${outcome(shown)}. ${at("why").textContent}`);
 }, complain);
@@ -74,10 +89,12 @@ const charts = new Charts(at("charts"), about.layout.panels, zoom);
 
 function zoom(from = null, to = null) {
   charts.window = from === null ? null : [Math.max(0, from), Math.min(to, state.stop)];
-  const [low, high] = charts.span();
-  at("from").value = Number(low.toFixed(2));
-  at("to").value = Number(high.toFixed(2));
   charts.draw();
+  showWindow();
+}
+
+function showWindow() {
+  [at("from").value, at("to").value] = charts.span().map(time => Number(time.toFixed(2)));
 }
 
 function change(next) {
@@ -89,7 +106,6 @@ function change(next) {
   at("link").value = wrong ? "" : `${location.href.split("#")[0]}#${toFragment(about, state)}`;
   if (wrong) complain(wrong);
   else pilot.fly(request(state));
-  zoom(...(charts.window ?? []));
 }
 
 const controls = new Controls(at("controls"), about, change, complain);
@@ -100,19 +116,28 @@ function fromLink() {
   if (left) speak(`${left} ${left === 1 ? "part" : "parts"} of the link could not be used.`);
 }
 
-for (const [list, kind] of [[about.layout.examples, "main"], [about.layout.more_examples, "other"]])
-  for (const { name, state: fragment } of list) {
+for (const [list, kind] of [
+  [about.layout.examples, "main"],
+  [about.layout.more_examples, "other"],
+])
+  for (const { name, state: parts } of list) {
     const button = make("button", { type: "button", class: kind, textContent: name });
-    button.addEventListener("click", () => change(fromFragment(about, fragment).state));
+    button.addEventListener("click", () => change(fromFragment(about, parts.join("&")).state));
     at("examples").append(button);
   }
 
-const edge = (id, label) => make("label", {}, make("span", { textContent: label }), make("input", { id, type: "number", min: 0, step: "any" }));
-at("window").append(edge("from", "Curves from (s)"), edge("to", "to (s)"), make("button", { type: "button", id: "whole", textContent: "Whole flight" }));
-for (const id of ["from", "to"]) at(id).addEventListener("change", () => {
-  const [from, to] = ["from", "to"].map(id => Number(at(id).value));
-  zoom(...(from < to ? [from, to] : []));
-});
+const edge = (id, label) =>
+  make("label", {}, make("span", { textContent: label }), make("input", { id, type: "number", min: 0, step: "any" }));
+at("window").append(
+  edge("from", "Curves from (s)"),
+  edge("to", "to (s)"),
+  make("button", { type: "button", id: "whole", textContent: "Whole flight" }),
+);
+for (const id of ["from", "to"])
+  at(id).addEventListener("change", () => {
+    const [from, to] = ["from", "to"].map(id => Number(at(id).value));
+    zoom(...(from < to ? [from, to] : []));
+  });
 at("whole").addEventListener("click", () => zoom());
 at("copy-command").addEventListener("click", event => copy(at("command"), event.currentTarget, "Copied"));
 at("share").addEventListener("click", event => {
@@ -120,5 +145,7 @@ at("share").addEventListener("click", event => {
   copy(at("link"), event.currentTarget, "Link copied");
 });
 at("version").textContent = `ahv ${about.version}.`;
-addEventListener("hashchange", () => { if (location.hash !== "#controls") fromLink(); });
+addEventListener("hashchange", () => {
+  if (location.hash !== "#controls") fromLink();
+});
 fromLink();

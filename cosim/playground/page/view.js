@@ -16,7 +16,12 @@ const at = id => document.getElementById(id);
 
 // How a parameter is shown: its unit, and the way there and back.
 function viewOf(variable, period) {
-  if (period) return { unit: "s", to: omega => omega > 0 ? 2 * Math.PI / omega : Infinity, from: seconds => 2 * Math.PI / seconds };
+  if (period)
+    return {
+      unit: "s",
+      to: omega => (omega > 0 ? (2 * Math.PI) / omega : Infinity),
+      from: seconds => (2 * Math.PI) / seconds,
+    };
   if (variable.display) {
     const [unit, factor] = variable.display;
     return { unit, to: value => value * factor, from: shown => shown / factor };

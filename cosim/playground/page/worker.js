@@ -3,31 +3,52 @@
 
 // The flight of {law, plant, step, stop, values: {component: {variable: value}}}, with all its signals.
 function flown(about, modules, { law, plant, step, stop, values }) {
-  const plan = about.plans[law][plant], limits = about.limits.flat();
+  const plan = about.plans[law][plant],
+    limits = about.limits.flat();
   const fmus = { scenario: about.scenario.fmu, controller: about.laws[law].fmu, plant: about.plants[plant].fmu };
-  const components = Object.fromEntries(Object.entries(fmus).map(([name, fmu]) =>
-    [name, { module: modules[fmu], label: `${name} (${about.fmus[fmu].file})`, values: values[name] }]));
-  const inquire = { plant: ["V_start", "h_start", "fuel_ratio_trim", "elevator_trim", "trim_residual"], controller: limits };
-  return { ...fly({ components, plan, step, stop, inquire }), columns: plan.columns, standsIn: about.stands_in };
+  const components = Object.fromEntries(
+    Object.entries(fmus).map(([name, fmu]) => [
+      name,
+      { module: modules[fmu], label: `${name} (${about.fmus[fmu].file})`, values: values[name] },
+    ]),
+  );
+  const inquire = {
+    plant: ["V_start", "h_start", "fuel_ratio_trim", "elevator_trim", "trim_residual"],
+    controller: limits,
+  };
+  const flight = fly({ components, plan, step, stop, inquire });
+  return { ...flight, columns: plan.columns, standsIn: about.stands_in, taken: new Map() };
 }
 
-// What the page shows of it: `series` by the text of their terms, metrics, what happened, how long it took (ms).
+// What the page shows of it: `series` by their lines' signals, metrics, what happened, how long it took (ms).
 function answer(about, modules, request) {
-  const began = performance.now(), flight = flown(about, modules, request), took = performance.now() - began;
+  const began = performance.now(),
+    flight = flown(about, modules, request),
+    took = performance.now() - began;
   const found = metrics(flight, about.metrics);
-  const drawn = about.layout.panels.flatMap(panel => panel.lines.map(line => JSON.stringify(line.terms)));
+  const lines = about.layout.panels.flatMap(panel => panel.lines);
   return {
-    series: Object.fromEntries(drawn.map(terms => [terms, series(flight, JSON.parse(terms))]).filter(([, one]) => one)),
-    metrics: found, step: flight.step, stop: flight.stop, count: flight.count, finished: flight.finished, took, asked: flight.asked,
-    message: flight.finished ? "" : [flight.message.replace(/\.$/, "") + ".", stuck(flight, about.remarks)].join(" ").trim(),
-    remarks: remarks(flight, found, about.remarks), reached: (flight.count - 1) * flight.step,
+    series: Object.fromEntries(lines.map(line => [line.signal, worth(flight, line.expression)])),
+    metrics: found,
+    step: flight.step,
+    stop: flight.stop,
+    count: flight.count,
+    finished: flight.finished,
+    took,
+    asked: flight.asked,
+    message: flight.finished
+      ? ""
+      : [flight.message.replace(/\.$/, "") + ".", stuck(flight, about.remarks)].join(" ").trim(),
+    remarks: remarks(flight, found, about.remarks),
+    reached: (flight.count - 1) * flight.step,
   };
 }
 
 // Modules by name from their base64 texts.
 async function compiled(texts) {
-  const made = await Promise.all(Object.values(texts).map(text =>
-    WebAssembly.compile(Uint8Array.from(atob(text), letter => letter.charCodeAt(0)))));
+  const made = await Promise.all(
+    Object.values(texts).map(text => WebAssembly.compile(Uint8Array.from(atob(text), letter => letter.charCodeAt(0)))),
+  );
   return Object.fromEntries(Object.keys(texts).map((name, i) => [name, made[i]]));
 }
 
@@ -39,8 +60,9 @@ if (typeof document === "undefined") {
       return;
     }
     try {
-      const { about, modules } = await ready, result = answer(about, modules, request);
-      self.postMessage({ id, result }, Object.values(result.series).map(one => one.buffer));
+      const { about, modules } = await ready,
+        result = answer(about, modules, request);
+      self.postMessage({ id, result }, [...new Set(Object.values(result.series).map(one => one.buffer))]);
     } catch (error) {
       self.postMessage({ id, error: error.message });
     }
