@@ -59,7 +59,7 @@ def uncertain():
     lost, kept = fly(UNCERTAIN), fly(UNCERTAIN, "resilient")
     figure, axes = plt.subplots(1, 3, figsize=(WIDTH, 2.5), layout="constrained")
     end = int(np.argmax(np.abs(error(lost)) > DEPARTED)) + 1
-    for flight, rows, line, label in ((lost, slice(end), "--", "the paper's law (neural, calibrated)"),
+    for flight, rows, line, label in ((lost, slice(end), "-.", "the paper's law (neural, calibrated)"),
                                        (kept, slice(None), "-", "resilient")):
         for axis, values in zip(axes, (error(flight), degrees(flight, "controller.elevator"),
                                        degrees(flight, "plant.alpha"))):
