@@ -134,6 +134,7 @@ class SystemSubject:
             source.fail(("system",), f"{asked.system} does not say when to stop: stop is missing")
         with source.at("stop" if base.stop else "system"):
             self.start, self.stop, self.step, remarks = experiment(found, asked.start, base.stop, base.step)
+        self.suggested = found.system.start  # s
         self.remarks: Sequence[str] = [*remarks, *found.remarks]
         self.algorithm = base.algorithm or found.algorithm or "gauss-seidel"
         self.tolerance = found.tolerance if asked.tolerance is None else asked.tolerance
@@ -183,7 +184,7 @@ class SystemSubject:
         words = ["ahv", "simulate", str(self.path)]
         for component, file in self.fmus(self.variants[variant]).items():
             words += ["--fmu", f"{component}={file}"]
-        if self.start:
+        if self.start or self.start != self.suggested:
             words += ["--start", repr(self.start)]
         words += ["--step", repr(self.step), "--stop", repr(self.stop), "--algorithm", self.algorithm]
         return [*words, "--tolerance", repr(self.tolerance)] if self.tolerance is not None else words

@@ -52,7 +52,7 @@ class Request:
 class Outcome:
     """What a run showed: a row's numbers, errors over time at ENVELOPE_POINTS + 1 times at most, signals if wanted."""
     request: Request
-    status: str  # finished, departed (an FMU ended it), timed-out, error (did not start), crashed (with its worker)
+    status: str  # finished, departed (an FMU refused a call), timed-out, error (did not start), crashed (with its worker)
     message: str = ""
     ticks: int = 0
     departed_at_s: float | None = None
