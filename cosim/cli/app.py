@@ -32,6 +32,7 @@ from . import (
     sweep,
     trim,
     tune,
+    view,
 )
 from .ending import ending
 from .unforeseen import UNFORESEEN, unforeseen
@@ -42,7 +43,7 @@ REFUSED = (errno.ENOENT, errno.EACCES, errno.EPERM, errno.ENOTDIR, errno.EISDIR,
 
 app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False)
 for command in (run, recover, compare, info, trim, linearize, simulate, ssp, container, check, campaign, sweep, fit,
-                tune, build, playground):
+                tune, build, playground, view):
     app.command()(getattr(command, command.__name__.rpartition(".")[2]))
 app.command(context_settings={"allow_extra_args": True, "ignore_unknown_options": True})(bench.bench)
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ..errors import RunError, UsageError, did_you_mean
-from .options import Json
+from .options import Json, Open, opened, place, typed
 
 if TYPE_CHECKING:
     from ..conformance.report import Report
@@ -53,6 +53,10 @@ def check(
     memory_limit: Annotated[int, typer.Option(help="Memory that the FMU and all it starts may use, in MB.")] = 4096,
     file_limit: Annotated[int, typer.Option(help="Size of a file that the FMU may write, in MB.")] = 1024,
     process_limit: Annotated[int, typer.Option(help="Processes that the FMU may have.")] = 64,
+    out: Annotated[Path | None, typer.Option(metavar="FILE.html", parser=place,
+                                             help="Also write the reports as a page; with --open, else to "
+                                             "results/check.html.")] = None,
+    open_: Open = False,
     as_json: Json = False,
 ) -> None:
     """Check FMUs against FMI 2.0 or 3.0: their files, and what they do when they run."""
@@ -88,11 +92,27 @@ def check(
     else:
         for report in reports:
             show(report, fail_on, show_all)
+    if out or open_:
+        written = write_page(reports, out or Path("results", "check.html"))
+        opened(written, open_)
     failed = [one for one in reports if one.fails(fail_on)]
     if failed:
         standard = " and ".join(sorted({f"FMI {one.fmi_version}" for one in failed}))
         broken = f"breaks {standard}" if fail_on == FailOn.ERROR else f"has findings that --fail-on {fail_on} rules out"
         raise RunError(f"{', '.join(one.fmu.name for one in failed)} {broken}.")
+
+
+def write_page(reports: "list[Report]", out: Path) -> Path:
+    """Write the reports as a page to the file `out`, which is given back. Raises RunError where it cannot be."""
+    from ..master.whole_file import whole
+    from ..pages.write import plain
+
+    out.parent.mkdir(parents=True, exist_ok=True)
+    with whole(out) as partial:
+        partial.write_text(plain(f"Check of {', '.join(one.fmu.name for one in reports)}",
+                                 [(one.fmu.name, one._repr_html_(), one.passed) for one in reports], typed()),
+                           encoding="utf-8")
+    return out
 
 
 def show(report: "Report", fail_on: str, everything: bool) -> None:

@@ -1,4 +1,6 @@
 """Options that several commands share."""
+import shlex
+import sys
 from pathlib import Path
 from typing import Annotated
 
@@ -13,6 +15,19 @@ def place(word: str) -> Path:
     UsageError if there is no such home."""
     path = Path(word)
     return expanded(path) if word.startswith("~") or not str(path).startswith("~") else path.absolute()
+
+
+def typed() -> str:
+    """The command line as one types it again."""
+    return shlex.join(["ahv", *sys.argv[1:]])
+
+
+def opened(page: Path, wanted: bool) -> None:
+    """Open a page in the browser, if that is `wanted` and the page was written."""
+    if wanted and page.is_file():
+        import webbrowser
+
+        webbrowser.open(page.resolve().as_uri())
 
 
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout.")]
@@ -41,5 +56,6 @@ Record = Annotated[list[str], typer.Option("--record", metavar="COMPONENT.VARIAB
 Decimate = Annotated[int, typer.Option(help="Write every N-th tick.", min=1, max=10**12)]
 Velocity = Annotated[float, typer.Option("--V", help="Velocity, ft/s.")]
 Altitude = Annotated[float, typer.Option("--h", help="Altitude, ft.")]
+Open = Annotated[bool, typer.Option("--open", help="Open the page in the browser.")]
 Out = Annotated[Path | None, typer.Option(metavar="DIR", parser=place,
                                           help="Folder for the results; else below results/.")]

@@ -4,7 +4,7 @@ from typing import Annotated
 
 import typer
 
-from .options import Json, place
+from .options import Json, place, typed
 from .show import conclude, note, report
 
 
@@ -20,12 +20,12 @@ def recover(
     if kind_of(folder) == "simulate":
         from ..systems.simulate import recover as simulated
 
-        summary, flight, trouble = simulated(folder, out)
+        summary, flight, trouble = simulated(folder, out, typed())
         notes = []
     else:
         from ..vehicle.run import recover as recovered
 
-        done = recovered(folder, out)
+        done = recovered(folder, out, typed())
         summary, flight, trouble, notes = done.summary, done.flight, done.trouble, done.notes
     note([*notes, *flight.warnings, flight.message])
     report(summary, as_json)

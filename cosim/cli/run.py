@@ -10,6 +10,7 @@ from .options import (
     Decimate,
     Flavour,
     Json,
+    Open,
     Out,
     Plant,
     Preset,
@@ -21,6 +22,8 @@ from .options import (
     Stream,
     TimeLimit,
     Uncertainty,
+    opened,
+    typed,
 )
 from .show import conclude, note, report
 
@@ -44,15 +47,17 @@ def run(
     record: Record = [],  # noqa: B006
     decimate: Decimate = 1,
     out: Out = None,
+    open_: Open = False,
     as_json: Json = False,
 ) -> None:
-    """Fly a scenario and write signals, run.json and figures to results/run/SCENARIO."""
+    """Fly a scenario and write signals, run.json, figures and report.html to results/run/SCENARIO."""
     from ..master.guard import POSSIBLE
     from ..vehicle.run import run as fly
 
     done = fly(scenario, controller, chosen_presets(preset), plant, flavour, step, stop, algorithm, assignments(set_),
                uncertainty, decimate, stream, isolate or POSSIBLE, time_limit, plain, real_time, out, progress=True,
-               record=record)
+               record=record, command=typed())
     note([*done.notes, *done.flight.warnings])
     report(done.summary, as_json)
+    opened(done.out / "report.html", open_)
     conclude(done.flight.finished, [done.flight.message], done.trouble, done.flight.interrupted)

@@ -4,7 +4,7 @@ from typing import Annotated
 
 import typer
 
-from .options import Decimate, Json, Out, Record, Stream, TimeLimit, place
+from .options import Decimate, Json, Open, Out, Record, Stream, TimeLimit, opened, place, typed
 from .show import conclude, report
 
 ALGORITHM = ("gauss-seidel (the default, unless the file says another), jacobi, multi-rate, variable or iterated; for "
@@ -34,13 +34,15 @@ def simulate(
     time_limit: TimeLimit = None,
     stream: Stream = False,
     out: Out = None,
+    open_: Open = False,
     as_json: Json = False,
 ) -> None:
-    """Fly any FMU or system of FMUs; write signals and run.json to results/simulate/FILE."""
+    """Fly any FMU or system of FMUs; write signals, run.json and report.html to results/simulate/FILE."""
     from ..systems.simulate import simulate as fly
 
     summary, flight, trouble = fly(file, step, stop, algorithm, out, time_limit, stream, start=start,
                                    tolerance=tolerance, values=set_, inputs=input_, record=record, decimate=decimate,
-                                   plot=plot, save=save, restore=restore, fmus=fmu)
+                                   plot=plot, save=save, restore=restore, fmus=fmu, command=typed())
     report(summary, as_json)
+    opened(Path(summary["out"], "report.html"), open_)
     conclude(flight.finished, [flight.message], trouble, flight.interrupted)

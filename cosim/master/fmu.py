@@ -89,6 +89,9 @@ def unflyable(description: Description, exchange: bool = False) -> str:
     return f"needs its clock {clock.name} to tick; input clocks are not served here" if clock else ""
 
 
+NEEDLESS = ("sources/", "documentation/")  # of an archive, for who flies it: half of all files of a native FMU
+
+
 @dataclass
 class FmuFile:
     """An extracted FMU. Use as a context manager: the extraction folder goes with it.
@@ -120,15 +123,15 @@ class FmuFile:
                 self.arrays.setdefault(v.array, []).append(v.name)
 
     @classmethod
-    def open(cls, path: Path, exchange: bool = False) -> "FmuFile":
-        """Extract and read `path`, for co-simulation or for model exchange.
+    def open(cls, path: Path, exchange: bool = False, to_fly: bool = False) -> "FmuFile":
+        """Extract and read `path`, for co-simulation or for model exchange; `to_fly` leaves out what no binary reads.
 
         Raises UsageError if it is missing, no such FMU of FMI 2.0 or 3.0, or needs clocks.
         """
         existing(path)
         folder = Folder()
         try:
-            safe_extract(path, folder.path)
+            safe_extract(path, folder.path, needless=NEEDLESS if to_fly else ())
             description = read(folder.path)
             if reason := unflyable(description, exchange):
                 raise UsageError(f"{path} {reason}.")

@@ -60,9 +60,10 @@ class Sender(Recorder):
 
 
 def fly_isolated(system: System, step: float, stop: float, algorithm: str, progress: Progress | None = None,
-                 time_limit: float | None = None, stream: Path | None = None, **options: Any) -> Flight:
+                 time_limit: float | None = None, stream: Path | None = None,
+                 meanwhile: Callable[[], None] | None = None, **options: Any) -> Flight:
     """`fly.fly` in a process of its own. An FMU call that takes longer than `time_limit` (s) ends the flight; a
-    signal ends it within GRACE_S, in whatever call it is.
+    signal ends it within GRACE_S, in whatever call it is. `meanwhile` is called here once the process has begun.
 
     Raises what `fly` raises; RunError also for a crash or a hang before the first tick, Interrupted for a signal then.
     """
@@ -79,6 +80,8 @@ def fly_isolated(system: System, step: float, stop: float, algorithm: str, progr
             flown=lambda flight: theirs.send(("flown", flight)), **options)), folder.path, place.status, (ours, theirs))
         theirs.close()
         try:
+            if meanwhile:
+                meanwhile()
             return Parent(guarded, ours, place, lambda columns: make_recorder(columns, stream, rows), progress,
                           time_limit, interrupted).wait()
         finally:
@@ -241,4 +244,5 @@ def launch(system: System, step: float, stop: float, algorithm: str = "gauss-sei
     """`fly.fly`, in a process of its own if `isolate` or with a `time_limit` (s). Raises what those raise."""
     if isolate or time_limit is not None:
         return fly_isolated(system, step, stop, algorithm, progress, time_limit, **options)
+    options.pop("meanwhile", None)
     return fly(system, step, stop, algorithm, progress, **options)

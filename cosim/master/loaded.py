@@ -277,7 +277,7 @@ def open_files(system: System) -> Iterator[dict[str, FmuFile]]:
         for component in system.components:
             path = str(component.fmu.resolve())
             if path not in opened:
-                opened[path] = FmuFile.open(component.fmu)
+                opened[path] = FmuFile.open(component.fmu, to_fly=True)
         yield {c.name: opened[str(c.fmu.resolve())] for c in system.components}
     finally:
         for file in opened.values():

@@ -39,9 +39,10 @@ class Kind:
 
 
 KINDS = {
-    "run": Kind("a run", "run.json", "controller", ("signals.parquet", "signals.csv", "figures")),
-    "simulate": Kind("a simulation", "run.json", "system", ("signals.parquet", "signals.csv", "figures")),
-    "compare": Kind("a comparison", "compare.json", "controllers", ("compare_*.png",)),
+    "run": Kind("a run", "run.json", "controller", ("signals.parquet", "signals.csv", "figures", "report.html")),
+    "simulate": Kind("a simulation", "run.json", "system", (
+        "signals.parquet", "signals.csv", "figures", "report.html")),
+    "compare": Kind("a comparison", "compare.json", "controllers", ("compare_*.png", "report.html", "runs")),
     "campaign": Kind("a campaign", "campaign.json", "dispersions", (
         "campaign.yaml", "parts", "receipt.json", "runs.parquet", "signals.parquet", "errors.parquet", "report.html",
         "report.json", "figures"), ("receipt.json", "parts/.campaign")),
@@ -61,9 +62,9 @@ def publish(folder: Path, kind: str, record: dict[str, Any], must: Fill, extras:
             less: Fill | None = None, rows: Path | None = None, interrupted: int = 0) -> Published:
     """Replace the results in `folder` by what `must` and `extras` write, and a head with `record`.
 
-    Where there is no room for all, extras are left out. Where there is none for `must`, the results go to a temporary
-    folder, and the former ones stay; without room there, `less` writes as much as fits. Signals that ask for an end
-    wait until all is in place; extras that have not begun are left out.
+    Where there is no room for all, the last extras are left out. Where there is none for `must`, the results go to a
+    temporary folder, and the former ones stay; without room there, `less` writes as much as fits. Signals that ask for
+    an end wait until all is in place; extras that have not begun are left out.
 
     `rows` is the file that `must` reads, if it does. It goes when all is in place. Where this fails it stays, so there
     is nothing to fall back to, and a signal ends the writing. `interrupted` is the signal that came before, or 0: then
@@ -128,23 +129,39 @@ def stage(place: Path, kind: str, record: dict[str, Any], must: Fill, extras: Se
     try:
         staged.mkdir(parents=True)
         must(staged)
-        kept = below(staged)
+        needed = below(staged)
         try:
-            for extra in extras:
-                if signals:
-                    why = "interrupted"
-                    break
-                extra(staged)
+            why = add(staged, extras, signals)
             write_head(staged, head, record)
         except OSError as error:
             why = reason(error)
-            for path in below(staged) - kept:
-                path.unlink()
+            remove(below(staged) - needed)
             write_head(staged, head, record)
     except BaseException:
         shutil.rmtree(staged, ignore_errors=True)
         raise
     return why
+
+
+def add(staged: Path, extras: Sequence[Fill], signals: list[int]) -> str:
+    """Let each extra write its files; why not all did, or an empty text. The first that finds no room leaves nothing,
+    and none follows; those before it stay."""
+    for extra in extras:
+        if signals:
+            return "interrupted"
+        before = below(staged)
+        try:
+            extra(staged)
+        except OSError as error:
+            remove(below(staged) - before)
+            return reason(error)
+    return ""
+
+
+def remove(paths: set[Path]) -> None:
+    """Remove files."""
+    for path in paths:
+        path.unlink()
 
 
 def below(folder: Path) -> set[Path]:
@@ -185,7 +202,7 @@ def move(folder: Path, kind: str) -> None:
     forget(folder)
     for path in sorted(below(staged) - {staged / head.name}):
         target = folder / path.relative_to(staged)
-        target.parent.mkdir(exist_ok=True)
+        target.parent.mkdir(parents=True, exist_ok=True)
         path.replace(target)
     synced(folder)
     (staged / head.name).replace(head)
@@ -203,7 +220,7 @@ def forget(folder: Path) -> None:
 def fits(name: str, kind: str) -> bool:
     """Whether a head may name this file as one of its kind's: never a path that leads elsewhere."""
     path = Path(name)
-    return (len(path.parts) in (1, 2) and ".." not in path.parts and not path.is_absolute()
+    return (len(path.parts) in (1, 2, 3) and ".." not in path.parts and not path.is_absolute()
             and any(Path(path.parts[0]).match(pattern) for pattern in KINDS[kind].files))
 
 

@@ -5,6 +5,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import pyarrow as pa
 import pyarrow.csv
 import pyarrow.parquet
@@ -22,16 +23,30 @@ PACKAGES = ("ahv", "fmpy", "pythonfmu", "numpy", "casadi")
 
 def table(flight: "Flight", decimate: int = 1) -> pa.Table:
     """Every `decimate`-th row and the last, with unit and description of each column in its metadata."""
-    rows = sorted({*range(0, len(flight.time), decimate), len(flight.time) - 1})
-    arrays = [flight.time[rows], *flight.signals[rows].T]
-    return pa.Table.from_arrays([pa.array(a) for a in arrays], schema=schema(flight.columns))
+    rows = np.arange(0, len(flight.time), decimate)
+    if rows[-1] != len(flight.time) - 1:
+        rows = np.append(rows, len(flight.time) - 1)
+    columns = np.ascontiguousarray((flight.signals if len(rows) == len(flight.time) else flight.signals[rows]).T)
+    return pa.Table.from_arrays([pa.array(a) for a in (flight.time[rows], *columns)], schema=schema(flight.columns))
 
 
 def write(folder: Path, kind: str, flight: "Flight", summary: dict[str, Any], decimate: int = 1,
           extras: Sequence[Fill] = (), rows: Path | None = None) -> Published:
     """Publish the signals (those in the Arrow stream `rows`, if there is one), run.json with `summary`, and `extras`.
     See `publish`."""
-    record = {
+    record = record_of(flight, summary)
+    if rows:
+        return publish(folder, kind, record, lambda place: to_parquet(rows, place / SIGNALS), extras, rows=rows,
+                       interrupted=flight.interrupted)
+    signals = table(flight, decimate)
+    return publish(folder, kind, record, lambda place: write_parquet(signals, place / SIGNALS),
+                   [lambda place: pyarrow.csv.write_csv(signals, (place / "signals.csv").absolute()), *extras],
+                   lambda place: write_first(signals, place / SIGNALS))
+
+
+def record_of(flight: "Flight", summary: dict[str, Any]) -> dict[str, Any]:
+    """What run.json says: the summary, and all that the flight knows but for its rows."""
+    return {
         **summary,
         "message": flight.message,
         "warnings": flight.warnings,
@@ -42,13 +57,6 @@ def write(folder: Path, kind: str, flight: "Flight", summary: dict[str, Any], de
         "signals": {c.name: {"unit": c.unit, "description": c.description} for c in flight.columns},
         "versions": {"python": platform.python_version(), **{name: version(name) for name in PACKAGES}},
     }
-    if rows:
-        return publish(folder, kind, record, lambda place: to_parquet(rows, place / SIGNALS), extras, rows=rows,
-                       interrupted=flight.interrupted)
-    signals = table(flight, decimate)
-    return publish(folder, kind, record, lambda place: write_parquet(signals, place / SIGNALS),
-                   [lambda place: pyarrow.csv.write_csv(signals, (place / "signals.csv").absolute()), *extras],
-                   lambda place: write_first(signals, place / SIGNALS))
 
 
 def write_parquet(signals: pa.Table, path: Path) -> None:

@@ -28,11 +28,13 @@ class BadArchive(Exception):
         self.rule = rule
 
 
-def safe_extract(archive: Path, folder: Path, max_total_bytes: int = MAX_TOTAL_BYTES) -> list[str]:
+def safe_extract(archive: Path, folder: Path, max_total_bytes: int = MAX_TOTAL_BYTES, needless: tuple[str, ...] = ()
+                 ) -> list[str]:
     """Unpack `archive` into `folder` and return the member names; raise `BadArchive` before anything escapes.
 
     All members are looked at before the first byte is written. Sizes are counted while unpacking, because a header can
-    claim any size. `folder` must exist; the caller removes it, also after an exception.
+    claim any size. Members whose names begin with one of `needless` are not written. `folder` must exist; the caller
+    removes it, also after an exception.
     """
     with open_archive(archive) as file:
         members = file.infolist()
@@ -41,7 +43,8 @@ def safe_extract(archive: Path, folder: Path, max_total_bytes: int = MAX_TOTAL_B
         refuse_large_claims(members, max_total_bytes)
         budget = max_total_bytes
         for member in members:
-            budget -= unpack(file, member, folder, budget, max_total_bytes)
+            if not member.filename.startswith(needless):
+                budget -= unpack(file, member, folder, budget, max_total_bytes)
         return [member.filename for member in members]
 
 

@@ -27,7 +27,8 @@ def simulate(path: Path, step: float | None, stop: float | None, algorithm: str 
              time_limit: float | None = None, stream: bool = False, *, start: float | None = None,
              tolerance: float | None = None, values: Sequence[str] = (), inputs: Path | None = None,
              record: Sequence[str] | None = None, decimate: int = 1, plot: bool = False, save: Path | None = None,
-             restore: Path | None = None, fmus: Sequence[str] = ()) -> tuple[dict[str, Any], Flight, str]:
+             restore: Path | None = None, fmus: Sequence[str] = (), command: str = ""
+             ) -> tuple[dict[str, Any], Flight, str]:
     """Fly the system in `path`, see `load_system`; the summary, the flight, and which results did not find room (empty
     if all did). They go to `out`, else to results/simulate/FILE.
 
@@ -35,7 +36,7 @@ def simulate(path: Path, step: float | None, stop: float | None, algorithm: str 
     patterns of COMPONENT.VARIABLE; of one FMU, its variables will do in both. `inputs` is a table of inputs over time,
     `plot` draws what is recorded. `fmus` are COMPONENT=FILE.fmu words, other FMUs for these places. `save` is a file
     for the state at the end, `restore` such a file to go on from. An FMU call that takes longer than `time_limit` ends
-    the flight; `stream` writes rows to the disk as it flies.
+    the flight; `stream` writes rows to the disk as it flies. `command` is what the page says that it was made by.
 
     Raises UsageError for a file or numbers that do not fit, RunError if the FMUs cannot be started.
     """
@@ -62,7 +63,7 @@ def simulate(path: Path, step: float | None, stop: float | None, algorithm: str 
             bar, progress = progress_bar(found.name, end)
             with bar:  # FMUs of unknown origin may crash
                 flight = fly_isolated(system, size, end, word, progress, time_limit, rows, **options)
-            summary, trouble = kept(folder, flight, said, sources, rows, plot)
+            summary, trouble = kept(folder, flight, said, sources, rows, plot, command)
     flight.interrupted = interrupted[0] if interrupted else flight.interrupted
     for warning in flight.warnings:
         note(warning)
@@ -87,7 +88,7 @@ def savable(path: Path) -> Path:
 
 
 def kept(folder: Path, flight: Flight, said: dict[str, Any], files: dict[str, str], rows: Path | None,
-         plot: bool = False) -> tuple[dict[str, Any], str]:
+         plot: bool = False, command: str = "") -> tuple[dict[str, Any], str]:
     """The summary of a flight whose results are written to a claimed folder, and which of them did not find room.
 
     `said` is what run.json says of the request, `files` each component's FMU, `rows` the file of a stream's rows.
@@ -98,7 +99,8 @@ def kept(folder: Path, flight: Flight, said: dict[str, Any], files: dict[str, st
     summary = {**said, "ticks": flight.ticks, "finished": flight.finished,
                "departed_at_s": None if flight.finished else flight.reached, "ended_at_s": flight.ended_at,
                "real_time_factor": flown / flight.wall_s if flight.wall_s else None}
-    published = write(folder, "simulate", flight, summary, extras=[partial(draw, flight)] if plot else [], rows=rows)
+    published = write(folder, "simulate", flight, summary, extras=[
+        *([partial(draw, flight)] if plot else []), partial(write_page, flight, summary, command)], rows=rows)
     return {**summary, "out": str(published.folder)}, published.trouble
 
 
@@ -109,12 +111,21 @@ def draw(flight: Flight, folder: Path) -> None:
     draw_all(flight, folder / "figures")
 
 
-def recover(left: Path, out: Path | None = None) -> tuple[dict[str, Any], Flight, str]:
+def write_page(flight: Flight, summary: dict[str, Any], command: str, folder: Path) -> None:
+    """The flight's page into `folder`. Raises OSError."""
+    from ..pages.flown import Flown
+    from ..pages.write import REPORT, page
+
+    name = str(summary["system"])
+    (folder / REPORT).write_text(page(name, [Flown(name, flight, summary)], command=command), encoding="utf-8")
+
+
+def recover(left: Path, out: Path | None = None, command: str = "") -> tuple[dict[str, Any], Flight, str]:
     """Make results, in `out` or there, of the rows that a killed simulation with --stream left in the folder `left`;
     what `simulate` returns. Raises what `master.recover.recover` raises."""
     def keep(folder: Path, flight: Flight, said: dict[str, Any], rows: Path) -> tuple[dict[str, Any], Flight, str]:
         files = said.pop("files")
-        summary, trouble = kept(folder, flight, said, files, rows)
+        summary, trouble = kept(folder, flight, said, files, rows, command=command)
         return summary, flight, trouble
 
     return recover_rows(left, out, "simulate", keep)

@@ -1,7 +1,9 @@
 """Control laws on the same run: a table, and figures with a curve for each."""
+import json
 import re
 import time
 import zipfile
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -21,6 +23,7 @@ from ..master.guard import POSSIBLE
 from ..master.isolated import launch
 from ..master.publish import publish
 from ..master.system import System
+from ..names import safe
 from ..text import without_math
 from . import burden, scenarios
 from .closed_loop import ClosedLoop, closed_loop, flavour_of
@@ -28,9 +31,12 @@ from .figures import Panel, available
 from .limits import explained
 from .metrics import HEADLINES, METRICS, metrics
 from .registry import LAWS
+from .run import said_of, shown_by
 from .scenarios import Scenario
 from .signals import course, source
+from .variants import Variant
 
+BASE = "neural"  # the law that variants are flown beside
 SETTLED = 0.02  # of a command's step
 
 # figure's name, title, panels; a curve's style is taken from the flight. References are drawn once, dashed.
@@ -127,22 +133,29 @@ def shown(column: str) -> str:
 
 
 def compare(scenario: str | Scenario, controllers: list[str] | None = None, plant: str = "ideal",
-            flavour: str | None = None, step: float = 0.01, stop: float | None = None, out: Path | None = None
+            flavour: str | None = None, step: float = 0.01, stop: float | None = None, out: Path | None = None,
+            runs: Sequence[Variant] = (), command: str = ""
             ) -> tuple[dict[str, Any], dict[str, Flight], list[str], str]:
     """Fly `controllers` (words of the registry or anybody's FMUs as NAME=FILE.fmu; none: all of ours) on one scenario.
 
+    `runs` are variants that are flown, too; without `controllers`, they are flown beside the neural law. `command` is
+    what the page says that it was made by.
+
     Returns the summary as compare.json has it, the flights by column, notes, and which results did not find room (empty
-    if all did). Writes compare.json and figures to `out`, else to results/compare/SCENARIO. Raises what `run` raises.
+    if all did). Writes compare.json, figures, a page, and the signals of each run to `out`, else to
+    results/compare/SCENARIO. Raises what `run` raises.
     """
     plan = scenarios.load(scenario) if isinstance(scenario, str) else scenario
     flavour = flavour_of(flavour)
     with claimed(out, "compare", plan.name) as folder:
-        loops = loops_of(plan, controllers or [], plant, flavour)
+        loops = loops_of(plan, controllers or [BASE] * bool(runs), plant, flavour)
+        add(loops, runs, plan, plant, flavour)
+        end = plan.stop if stop is None else stop
         flights: dict[str, Flight] = {}
         rows: dict[str, dict[str, Any]] = {}
         for column, loop in loops.items():
             began = time.perf_counter()
-            flights[column] = explained(whole(loop.system, step, plan.stop if stop is None else stop))
+            flights[column] = explained(whole(loop.system, step, end))
             fmu = next(c.fmu for c in loop.system.components if c.name == "controller")
             rows[column] = {"preset": loop.preset, **figures_of(flights[column]), **size_of(fmu, loop.preset),
                             "wall_s": time.perf_counter() - began}
@@ -150,10 +163,22 @@ def compare(scenario: str | Scenario, controllers: list[str] | None = None, plan
             row |= cost
         summary = {"scenario": plan.name, "flavour": flavour, "step_s": step, "controllers": rows,
                    "verdict": verdict(rows)}
+        notes = list(dict.fromkeys(note for loop in loops.values() for note in loop.notes))
+        records = {column: {**said_of(plan, loop, "gauss-seidel", step, end), **shown_by(flights[column])}
+                   for column, loop in loops.items()}
         published = publish(folder, "compare", summary, lambda place: None,
-                            [lambda place: write(place, flights, plan.name)])
-    notes = list(dict.fromkeys(note for loop in loops.values() for note in loop.notes))
+                            [lambda place: write(place, flights, plan.name),
+                             lambda place: write_page(place, summary, flights, command, notes),
+                             lambda place: write_runs(place, flights, records)])
     return {**summary, "out": str(published.folder)}, flights, notes, published.trouble
+
+
+def add(loops: dict[str, ClosedLoop], runs: Sequence[Variant], plan: Scenario, plant: str, flavour: str) -> None:
+    """Add the loops of `runs` as columns. Raises UsageError for a name that there is already, and as `closed_loop`."""
+    for one in runs:
+        if one.name in loops:
+            raise UsageError(f"--run {one.name}: there are two runs called {one.name}.")
+        loops[one.name] = one.loop(plan, plant, flavour)
 
 
 BETTER = (*((METRICS[name].headline, name.split("."), METRICS[name].unit) for name in HEADLINES),
@@ -218,3 +243,26 @@ def write(folder: Path, flights: dict[str, Flight], name: str) -> None:
         figure = draw(flights, f"{name}: {title}", panels)
         figure.savefig(folder / f"compare_{key}.png", dpi=110)
         plt.close(figure)
+
+
+def write_page(folder: Path, summary: dict[str, Any], flights: dict[str, Flight], command: str, notes: list[str]
+               ) -> None:
+    """The page of all flights into `folder`. Raises OSError."""
+    from ..pages.write import REPORT, page
+    from .look import PANELS, looked_at
+
+    flown = [looked_at(column, flight, summary["controllers"][column]) for column, flight in flights.items()]
+    (folder / REPORT).write_text(page(f"{summary['scenario']} compared", flown, PANELS, command,
+                                      [summary["verdict"], *notes]), encoding="utf-8")
+
+
+def write_runs(folder: Path, flights: dict[str, Flight], records: Mapping[str, dict[str, Any]]) -> None:
+    """The signals and run.json of each flight, a folder each, as `ahv view` reads them. Raises OSError."""
+    from ..master.results import SIGNALS, record_of, table, write_parquet
+
+    for column, flight in flights.items():
+        place = folder / "runs" / safe(column)
+        place.mkdir(parents=True)
+        write_parquet(table(flight), place / SIGNALS)
+        record = record_of(flight, {key: value for key, value in records[column].items() if key != "first_figure"})
+        (place / "run.json").write_text(json.dumps({"kind": "run", **record}, indent=2) + "\n")

@@ -70,15 +70,16 @@ def draw(flight: Flight, title: str, panels: tuple[Panel, ...]) -> Figure:
     return figure
 
 
-def write(out: Path, flight: Flight, name: str, first_figure: int | None = None) -> list[Path]:
-    """Draw every picture that the flight has the signals for into `out`/figures; their paths.
+def write(out: Path, flight: Flight, name: str, first_figure: int | None = None, share: slice = slice(None)
+          ) -> list[Path]:
+    """Draw every picture, or a share of them, that the flight has the signals for into `out`/figures; their paths.
 
     Files are numbered as in the paper from `first_figure` on, or have plain names without one.
     """
     folder = out / "figures"
     folder.mkdir(exist_ok=True)
     written = []
-    for number, (key, title, panels) in enumerate(PICTURES, first_figure or 0):
+    for number, (key, title, panels) in [*enumerate(PICTURES, first_figure or 0)][share]:
         if not available(flight, panels):
             continue
         ending = f" (ended at {flight.reached:.2f} s)" if flight.message else ""

@@ -1,9 +1,11 @@
 """One flight of a scenario, from words to a folder of results: what `ahv run` does."""
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
+from ..master.aside import Aside, aside
 from ..master.flight import Flight
 from ..master.folder import flown_into
 from ..master.isolated import launch
@@ -32,14 +34,15 @@ def run(scenario: str | Scenario, controller: str = "neural", preset: Mapping[st
         algorithm: str = "gauss-seidel", values: Values | None = None, uncertainty: float | None = None,
         decimate: int = 1, stream: bool = False, isolate: bool = False, time_limit: float | None = None,
         plain: bool = False, real_time: float | None = None, out: Path | None = None, progress: bool = False,
-        record: Sequence[str] = ()) -> Run:
-    """Fly `scenario` (a built-in name, a YAML file or a Scenario) and write signals, run.json and figures.
+        record: Sequence[str] = (), command: str = "") -> Run:
+    """Fly `scenario` (a built-in name, a YAML file or a Scenario) and write signals, run.json, figures
+    and a page.
 
     `controller` and `plant` are words of the registry or anybody's FMUs (NAME=FILE.fmu); `preset` is the controller's,
     or component -> name. `values` are set last: component -> variable -> value. `step`, `stop` are in s. The results
     go to `out`, else to results/run/SCENARIO. `record` picks the signals, as patterns of component.variable (none: all
-    outputs); metrics and figures whose signals are left out are left out, too. Other arguments are those of
-    `master.fly.fly`.
+    outputs); metrics and figures whose signals are left out are left out, too. `command` is
+    what the page says that it was made by. Other arguments are those of `master.fly.fly`.
 
     Raises UsageError for what cannot be flown, RunError if an FMU does not start. A flight that ends early is a
     result: `flight.finished` is False and `flight.message` says why. After a signal there are no figures and
@@ -48,7 +51,9 @@ def run(scenario: str | Scenario, controller: str = "neural", preset: Mapping[st
     plan = scenarios.load(scenario) if isinstance(scenario, str) else scenario
     presets = {"controller": preset} if isinstance(preset, str) else dict(preset or {})
     loop = closed_loop(plan, controller, plant, flavour, presets, values, uncertainty)
-    with flown_into(out, "run", plan.name, stream) as (folder, interrupted):
+    isolated = isolate or loop.foreign or time_limit is not None
+    with (flown_into(out, "run", plan.name, stream) as (folder, interrupted),
+          aside(isolated, prepare, *WORKS) as drawing):
         end = plan.stop if stop is None else stop
         said = said_of(plan, loop, algorithm, step, end)
         rows = asked(folder, said) if stream else None
@@ -58,27 +63,28 @@ def run(scenario: str | Scenario, controller: str = "neural", preset: Mapping[st
         bar, tell = progress_bar(plan.name, end)
         with bar:
             flight = explained(launch(loop.system, step, end, algorithm, tell if progress else None,
-                                      isolate or loop.foreign, time_limit, plain=plain, real_time=real_time, **options))
+                                      isolated, time_limit, plain=plain, real_time=real_time, meanwhile=import_writers,
+                                      **options))
         notes = [*loop.notes, *part_of_the_rows(flight, stream)]
-        done = kept(folder, flight, said, notes, decimate, rows)
+        done = kept(folder, flight, said, notes, decimate, rows, command, drawing)
     flight.interrupted = interrupted[0] if interrupted else flight.interrupted
     return done
 
 
-def recover(left: Path, out: Path | None = None) -> Run:
+def recover(left: Path, out: Path | None = None, command: str = "") -> Run:
     """Make results, in `out` or there, of the rows that a killed run with --stream left in the folder `left`.
 
     Its figures of merit are computed from a part of the rows, as those of every streamed run. Raises what
     `master.recover.recover` raises.
     """
     return recover_rows(left, out, "run", lambda folder, flight, said, rows: kept(
-        folder, explained(flight), said, part_of_the_rows(flight, True), rows=rows))
+        folder, explained(flight), said, part_of_the_rows(flight, True), rows=rows, command=command))
 
 
 def kept(folder: Path, flight: Flight, said: dict[str, Any], notes: list[str], decimate: int = 1,
-         rows: Path | None = None) -> Run:
+         rows: Path | None = None, command: str = "", drawing: Aside | None = None) -> Run:
     """The flight with its figures of merit, in a claimed folder; `said` is what run.json says of the request, `rows`
-    the file of a stream's rows."""
+    the file of a stream's rows, `command` what the page says."""
     from ..master.results import write
 
     said = dict(said)
@@ -86,8 +92,9 @@ def kept(folder: Path, flight: Flight, said: dict[str, Any], notes: list[str], d
     summary = {**said, **shown_by(flight), **({"lateness": flight.lateness} if flight.lateness else {})}
     preset = f" ({said['preset']})" if said["preset"] else ""
     title = f"{said['scenario']}, {said['controller']}{preset}"
+    drawn = (drawing or Aside(WORKS)).start(flight, title, first_figure, summary, command, notes)
     published = write(folder, "run", flight, {**summary, "presets": presets}, decimate,
-                      [lambda place: draw(place, flight, title, first_figure)], rows)
+                      [drawn], rows)
     return Run(flight, {**summary, "out": str(published.folder)}, published.folder, notes, published.trouble)
 
 
@@ -119,8 +126,33 @@ def presets_of(loop: ClosedLoop) -> dict[str, dict[str, str]]:
     return {component: {"name": name, "from": loop.preset_from[component]} for component, name in loop.presets.items()}
 
 
-def draw(folder: Path, flight: Flight, title: str, first_figure: int | None) -> None:
-    """The scenario's figures into `folder`."""
+def prepare() -> None:
+    """Import what `illustrate` needs: matplotlib takes long."""
+
+    from . import figures, look  # noqa: F401
+
+
+def import_writers() -> None:
+    """Import what writes results, while the flight flies in another process."""
+    from ..master import results  # noqa: F401
+
+
+def draw(folder: Path, flight: Flight, title: str, first_figure: int | None, *_: Any, share: slice = slice(None)
+         ) -> None:
+    """The scenario's figures, or a share of them, into `folder`. Raises OSError."""
     from .figures import write  # matplotlib is slow to import
 
-    write(folder, flight, title, first_figure)
+    write(folder, flight, title, first_figure, share)
+
+
+def write_page(folder: Path, flight: Flight, title: str, _: int | None, summary: dict[str, Any], command: str,
+               notes: list[str]) -> None:
+    """The flight's page into `folder`. Raises OSError."""
+    from ..pages.write import REPORT, page
+    from .look import PANELS, looked_at
+
+    (folder / REPORT).write_text(page(title, [looked_at(summary["scenario"], flight, summary)], PANELS, command, notes),
+                                 encoding="utf-8")
+
+
+WORKS = (partial(draw, share=slice(0, None, 2)), partial(draw, share=slice(1, None, 2)), write_page)

@@ -60,6 +60,11 @@ def campaign(built, tmp_path_factory):
     return *flown(changed(built, "flown.yaml", runs=12), folder), folder
 
 
+def test_the_example_is_the_page_s():
+    page = (ROOT / "docs" / "campaigns.md").read_text()
+    assert f"```yaml\n{(TANK / 'campaign.yaml').read_text()}```" in page
+
+
 def test_rows_have_the_variant_the_draws_and_the_metrics_of_the_file(campaign):
     rows, _, _, _ = campaign
     assert list(rows[0]) == [

@@ -415,7 +415,7 @@ def test_a_full_disk_leaves_the_former_results_and_the_new_ones_are_elsewhere(wo
     done = run("case1", stop=10, out=folder)
     assert ours(folder) == before
     assert f"{folder}: No space left on device: the results are in {done.out} instead." == done.trouble
-    assert done.out.parent == temporary and len(consistent(done.out)["files"]) == 8
+    assert done.out.parent == temporary and len(consistent(done.out)["files"]) == 9
     assert done.summary["out"] == consistent(done.out)["out"] == str(done.out)
 
 

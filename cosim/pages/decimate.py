@@ -1,0 +1,37 @@
+"""Fewer points for the same picture: of each part of the rows the least and the greatest value."""
+import base64
+
+import numpy as np
+
+
+def kept(values: np.ndarray, points: int) -> np.ndarray:
+    """The rows to draw of `values`, shape (rows,): ascending, at most about `points` of them, the first and the last,
+    and every extreme. Rows between two equal values are left out."""
+    count = len(values)
+    rows = np.arange(count)
+    if count > points:
+        size = -(-count // max(points // 2, 1))
+        whole = count // size * size
+        parts = np.where(np.isfinite(values[:whole]), values[:whole], np.nan).reshape(-1, size)
+        low = np.where(np.isnan(parts), np.inf, parts).argmin(axis=1)
+        high = np.where(np.isnan(parts), -np.inf, parts).argmax(axis=1)
+        begin = np.arange(0, whole, size)
+        rows = np.unique(np.concatenate(([0, count - 1], begin + low, begin + high, rows[whole:][:points])))
+    chosen = values[rows]
+    level = (chosen[1:-1] == chosen[:-2]) & (chosen[1:-1] == chosen[2:])
+    return rows[np.concatenate(([True], ~level, [True]))[:len(rows)]] if len(rows) > 2 else rows
+
+
+def packed(time: np.ndarray, values: np.ndarray, points: int) -> dict[str, object]:
+    """A curve for the page's script: times from `time[0]` on and values from `base` on, as base64 of little-endian
+    32-bit floats. Differences from a base have the digits that an altitude of 85,000 ft would lose."""
+    rows = kept(values, points)
+    finite = values[rows][np.isfinite(values[rows])]
+    base = float(finite[0]) if len(finite) else 0.0
+    return {"t": text(time[rows] - time[0]), "y": text(values[rows] - base), "base": base}
+
+
+def text(numbers: np.ndarray) -> str:
+    """Numbers as base64 of little-endian 32-bit floats."""
+    with np.errstate(over="ignore"):
+        return base64.b64encode(numbers.astype("<f4").tobytes()).decode()

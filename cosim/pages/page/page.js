@@ -1,0 +1,293 @@
+"use strict";
+Bokeh.logger.set_level("error");  // set_log_level would write a line
+const DATA = JSON.parse(document.getElementById("data").textContent);
+const DEGREES = 180 / Math.PI, MAXIMUM_NAMES = 2000, LEFT = 78;
+const LINES = [[], [8, 4], [2, 3], [10, 3, 2, 3], [5, 2], [14, 4]];
+const one = (id) => document.getElementById(id);
+const dark = () => matchMedia("(prefers-color-scheme: dark)").matches && !state.printing;
+// Okabe and Ito's colours; those that a background hides are darker or lighter there.
+const COLOURS = {light: ["#0072b2", "#d55e00", "#007a5a", "#b4518c", "#000000", "#2f94c8", "#a97400"],
+                 dark: ["#56b4e9", "#e69f00", "#1fc59a", "#e59ac6", "#ffffff", "#f0e442", "#ff7f3a"]};
+const SHADES = {light: ["#56b4e9", "#e69f00", "#cc79a7", "#009e73", "#999999", "#d55e00"],
+                dark: ["#56b4e9", "#e69f00", "#cc79a7", "#009e73", "#999999", "#d55e00"]};
+
+function made(tag, attributes = {}, ...children) {  // texts become text nodes: nothing here is parsed as HTML
+  const element = document.createElement(tag);
+  for (const [name, value] of Object.entries(attributes)) {
+    if (name.startsWith("on")) element.addEventListener(name.slice(2), value);
+    else if (value !== false) element.setAttribute(name, value === true ? "" : value);
+  }
+  element.append(...children);
+  return element;
+}
+
+function numbers(text) {
+  const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+  return new Float32Array(bytes.buffer);
+}
+
+const decoded = new Map();
+function course(run, name) {  // times and values of a curve, in the unit that is shown
+  const packed = DATA.runs[run].curves[name];
+  if (!packed) return null;
+  const key = `${run}/${state.angles}/${name}`;
+  if (!decoded.has(key)) {
+    const factor = shownUnit(DATA.signals[name].unit)[1], start = DATA.runs[run].start;
+    decoded.set(key, {x: Float64Array.from(numbers(packed.t), (t) => start + t),
+                      y: Float64Array.from(numbers(packed.y), (v) => factor * (packed.base + v))});
+  }
+  return decoded.get(key);
+}
+
+function shownUnit(unit) {
+  if (state.angles === "deg" && /(^|[^a-z])rad([^a-z]|$)/.test(unit) && !unit.includes("frequency"))
+    return [unit.replace(/(^|[^a-z])rad([^a-z]|$)/, "$1deg$2"), DEGREES];
+  return [unit, 1];
+}
+
+const span = [Math.min(...DATA.runs.map((run) => run.start)), Math.max(...DATA.runs.map((run) => run.end))];
+const state = {chosen: new Set(DATA.chosen), angles: "deg", hidden: new Set(), printing: false,
+               range: null, panels: [], views: null};
+
+function indexAt(x, t) {  // the last point at or before t; -1 before the first
+  let low = 0, high = x.length;
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (x[middle] <= t + 1e-9) low = middle + 1; else high = middle;
+  }
+  return low - 1;
+}
+
+function valueAt({x, y}, t) {
+  const i = indexAt(x, t);
+  if (i < 0 || t > x[x.length - 1] + 1e-9) return NaN;
+  if (i === x.length - 1) return y[i];
+  return y[i] + (y[i + 1] - y[i]) * (t - x[i]) / (x[i + 1] - x[i] || 1);
+}
+
+function digits(value) {
+  return Number.isFinite(value) ? String(Number(value.toPrecision(7))) : "–";
+}
+
+function united(kind) {  // the marks of a kind, those of all flights in one: shades over each other would darken
+  const found = [];
+  const all = DATA.runs.flatMap((run) => run.marks.filter((mark) => mark.kind === kind));
+  for (const mark of all.sort((a, b) => a.begin - b.begin)) {
+    const last = found[found.length - 1];
+    if (!last || mark.begin > (last.end === null ? last.begin : last.end)) found.push({...mark});
+    else if (last.end !== null) last.end = Math.max(last.end, mark.end === null ? mark.begin : mark.end);
+  }
+  return found;
+}
+
+// Windows and moments as annotations of every panel.
+function marksOf(plot) {
+  const {BoxAnnotation, Span} = models;
+  DATA.kinds.forEach((kind, k) => {
+    const colour = SHADES[dark() ? "dark" : "light"][k % 6];
+    for (const mark of united(kind.name)) {
+      plot.add_layout(mark.end === null
+        ? new Span({location: mark.begin, dimension: "height", line_color: colour, line_width: 2, line_dash: LINES[k % 6],
+                    visible: !state.hidden.has(kind.name), level: "underlay", tags: [kind.name]})
+        : new BoxAnnotation({left: mark.begin, right: mark.end, fill_color: colour, fill_alpha: dark() ? 0.13 : 0.18,
+                             line_color: colour, line_alpha: 0.5, visible: !state.hidden.has(kind.name),
+                             level: "underlay", tags: [kind.name], hatch_pattern: HATCHES[k % 6], hatch_color: colour,
+                             hatch_alpha: 0.35, hatch_scale: 14}));
+    }
+  });
+}
+const HATCHES = ["blank", "right_diagonal_line", "left_diagonal_line", "dot", "horizontal_line", "vertical_line"];
+
+const {Document} = Bokeh.require("document");
+const models = {};
+for (const name of ["Plot", "Range1d", "LinearAxis", "Grid", "Line", "GlyphRenderer", "ColumnDataSource", "BoxAnnotation",
+                    "Span", "BoxZoomTool", "PanTool", "ResetTool", "WheelZoomTool", "SaveTool", "Toolbar", "LinearScale",
+                    "BasicTickFormatter", "BasicTicker", "CDSView", "AllIndices"])
+  models[name] = Bokeh.Models.get(name);
+
+function panelPlot(panel, curves, style) {
+  const {Plot, Range1d, LinearAxis, Grid, Line, GlyphRenderer, ColumnDataSource, BoxZoomTool, PanTool, WheelZoomTool,
+         SaveTool, Span} = models;
+  const ink = style.getPropertyValue("--ink").trim(), line = style.getPropertyValue("--line").trim();
+  const paper = style.getPropertyValue("--paper").trim();
+  const plot = new Plot({x_range: state.range, y_range: new Range1d({start: 0, end: 1}), sizing_mode: "stretch_both",
+    background_fill_color: paper, border_fill_color: paper, outline_line_color: line, min_border_left: LEFT,
+    min_border_right: 12, min_border_top: 4, lod_threshold: null, toolbar_location: null, output_backend: "canvas"});
+  const text = {axis_label_text_color: ink, major_label_text_color: ink, axis_line_color: ink, major_tick_line_color: ink,
+                minor_tick_line_color: null, axis_label_text_font_style: "normal", axis_label_text_font_size: "12px",
+                major_label_text_font_size: "11px"};
+  const below = new LinearAxis({axis_label: "time (s)", ...text});
+  const left = new LinearAxis({axis_label: panel.unitShown, ...text,
+                               formatter: new models.BasicTickFormatter({precision: "auto", use_scientific: true,
+                                                                         power_limit_high: 7, power_limit_low: -4})});
+  plot.add_layout(below, "below");
+  plot.add_layout(left, "left");
+  for (const [axis, dimension] of [[below, 0], [left, 1]])
+    plot.add_layout(new Grid({axis, dimension, grid_line_color: line, grid_line_alpha: 0.7}));
+  marksOf(plot);
+  for (const curve of curves)
+    plot.add_renderers(new GlyphRenderer({
+      data_source: new ColumnDataSource({data: curve.course}),
+      glyph: new Line({x: {field: "x"}, y: {field: "y"}, line_color: curve.colour, line_dash: curve.dash,
+                       line_width: curve.width})}));
+  const cursor = new Span({location: span[0], dimension: "height", line_color: ink, line_width: 1, line_dash: [3, 3],
+                           visible: false, level: "overlay"});
+  plot.add_layout(cursor);
+  const zoom = new BoxZoomTool({dimensions: "width"}), pan = new PanTool({dimensions: "width"});
+  plot.add_tools(zoom, pan, new WheelZoomTool({dimensions: "width"}), new SaveTool());
+  plot.toolbar.active_drag = zoom;
+  plot.on_event("mousemove", (event) => look(event.x));
+  plot.on_event("mouseleave", () => look(null));
+  plot.on_event("doubletap", whole);
+  return {...panel, plot, curves, cursor};
+}
+
+function swatch(curve) {
+  const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
+  const path = document.createElementNS("http://www.w3.org/2000/svg", "line");
+  for (const [name, value] of Object.entries({x1: 0, y1: 4, x2: 28, y2: 4, stroke: curve.colour, "stroke-width": 2.5,
+                                              "stroke-dasharray": curve.dash.join(" ")})) path.setAttribute(name, value);
+  svg.setAttribute("aria-hidden", "true");
+  svg.append(path);
+  return svg;
+}
+
+async function draw() {
+  const style = getComputedStyle(document.documentElement), colours = COLOURS[dark() ? "dark" : "light"];
+  const several = DATA.runs.length > 1, turn = ++drawn;
+  const panels = [], figures = [];
+  for (const panel of DATA.panels) {
+    const names = panel.curves.filter((name) => state.chosen.has(name));
+    if (!names.length) continue;
+    const curves = [];
+    names.forEach((name, i) => DATA.runs.forEach((run, r) => {
+      const found = course(r, name), packed = run.curves[name];
+      if (!found) return;
+      const same = curves.find((c) => c.name === name && c.packed.y === packed.y && c.packed.t === packed.t
+                                      && c.packed.base === packed.base);
+      if (same) { same.runs.push(run.name); return; }  // not the same curve over itself
+      const kind = several ? r : i;
+      curves.push({name, packed, runs: [run.name], course: found, colour: colours[kind % colours.length],
+                   dash: LINES[(several && names.length > 1 ? i : kind) % LINES.length], width: several || i === 0 ? 1.8 : 1.6,
+                   output: made("output")});
+    }));
+    for (const curve of curves)
+      curve.label = !several || curve.runs.length === DATA.runs.length ? curve.name : `${curve.runs.join(", ")}: ${curve.name}`;
+    const units = [...new Set(names.map((name) => shownUnit(DATA.signals[name].unit)[0]))].filter((u) => u && u !== "1");
+    const shown = panelPlot({title: panel.title, unitShown: units.join(", ")}, curves, style);
+    const box = made("div", {class: "plot", "aria-hidden": "true"});
+    panels.push({...shown, box});
+    const described = `${panel.title}: ${curves.map((c) => c.label).join(", ")}${units.length ? `, in ${units.join(", ")}` : ""}`;
+    figures.push(made("figure", {"aria-label": described}, made("h3", {}, panel.title + (units.length ? ` (${units.join(", ")})` : "")),
+                      made("ul", {class: "key"}, ...curves.map((curve) => made("li", {title: DATA.signals[curve.name].description},
+                        swatch(curve), made("span", {}, curve.label), curve.output))), box));
+  }
+  one("charts").replaceChildren(...figures);
+  state.panels = panels;
+  fit();
+  const whole = new Document();
+  panels.forEach((panel) => whole.add_root(panel.plot));
+  const views = await Bokeh.embed.add_document_standalone(whole, one("charts"), panels.map((panel) => panel.box));
+  if (turn !== drawn) return views.clear();
+  if (state.views) state.views.clear();
+  state.views = views;
+  document.documentElement.dataset.drawn = String(turn);
+}
+let drawn = 0;
+
+function fit() {  // each panel's values fill it, within the time that is shown
+  const {start, end} = state.range;
+  for (const {plot, curves} of state.panels) {
+    let low = Infinity, high = -Infinity;
+    for (const {course: {x, y}} of curves) {
+      const first = Math.max(indexAt(x, start), 0), last = Math.min(indexAt(x, end) + 1, x.length - 1);
+      for (let i = first; i <= last; i++) if (Number.isFinite(y[i])) { low = Math.min(low, y[i]); high = Math.max(high, y[i]); }
+    }
+    if (low > high) [low, high] = [0, 1];
+    const room = (high - low) * 0.06 || Math.abs(high) * 0.05 || 1;
+    plot.y_range.setv({start: low - room, end: high + room});
+  }
+  one("from").value = digits(start);
+  one("to").value = digits(end);
+}
+
+function look(t) {  // what the curves are at a time, beside their names
+  const there = t !== null && t >= span[0] && t <= span[1];
+  if (document.activeElement !== one("at")) one("at").value = there ? digits(t) : "";
+  for (const {curves, cursor} of state.panels) {
+    cursor.setv({visible: there, location: there ? t : span[0]});
+    for (const curve of curves) curve.output.textContent = there ? digits(valueAt(curve.course, t)) : "";
+  }
+  const texts = DATA.runs.flatMap((run) => run.marks.filter((m) => !state.hidden.has(m.kind) && there && (
+    m.end === null ? Math.abs(t - m.begin) < (state.range.end - state.range.start) / 200 : m.begin <= t && t <= m.end))
+    .map((m) => m.text));
+  one("now").textContent = there ? `At ${digits(t)} s: ${[...new Set(texts)].join("; ") || "nothing is marked"}.` : "";
+}
+
+function zoom() {
+  const [from, to] = ["from", "to"].map((id) => one(id).valueAsNumber);
+  if (from < to) state.range.setv({start: from, end: to});
+}
+function whole() { state.range.setv({start: span[0], end: span[1]}); }
+
+function listNames() {
+  const words = one("search").value.toLowerCase().split(/\s+/).filter(Boolean);
+  const names = Object.keys(DATA.signals).filter((name) => {
+    const text = `${name} ${DATA.signals[name].description} ${DATA.signals[name].unit}`.toLowerCase();
+    return words.every((word) => text.includes(word));
+  });
+  one("names").replaceChildren(...names.slice(0, MAXIMUM_NAMES).map((name) => {
+    const {unit, description} = DATA.signals[name];
+    const box = made("input", {type: "checkbox", onchange: () => choose([name], box.checked)});
+    box.checked = state.chosen.has(name);
+    return made("li", {}, made("label", {title: description}, box, made("span", {}, name, " ",
+                made("small", {}, `${unit && unit !== "1" ? `${unit} ` : ""}`))));
+  }));
+  one("count").textContent = `(${state.chosen.size} of ${Object.keys(DATA.signals).length})`;
+  return names;
+}
+
+function choose(names, wanted) {
+  for (const name of names) if (wanted) state.chosen.add(name); else state.chosen.delete(name);
+  one("count").textContent = `(${state.chosen.size} of ${Object.keys(DATA.signals).length})`;
+  return draw();
+}
+
+function listKinds() {
+  DATA.kinds.forEach((kind, k) => {
+    const box = made("input", {type: "checkbox", checked: !state.hidden.has(kind.name), onchange: () => {
+      if (box.checked) state.hidden.delete(kind.name); else state.hidden.add(kind.name);
+      for (const {plot} of state.panels) for (const mark of [...plot.center, ...plot.renderers])
+        if (mark.tags && mark.tags.includes(kind.name)) mark.visible = box.checked;
+    }});
+    const shade = made("span", {class: "swatch", "aria-hidden": "true"});
+    shade.style.background = SHADES.light[k % 6];
+    one("kinds").append(made("label", {}, box, shade, made("span", {}, kind.text)));
+  });
+}
+
+function begin() {
+  one("view").hidden = false;
+  state.range = new models.Range1d({start: span[0], end: span[1] > span[0] ? span[1] : span[0] + 1});
+  state.range.on_change([state.range.properties.start, state.range.properties.end], fit);
+  for (const {name} of DATA.kinds)  // what happened to some flights only would shade all of them
+    if (!DATA.runs.every((run) => run.marks.some((mark) => mark.kind === name))) state.hidden.add(name);
+  listKinds();
+  listNames();
+  one("happened").hidden = !DATA.kinds.length;
+  if (!Object.values(DATA.signals).some(({unit}) => shownUnit(unit)[1] !== 1)) one("angles").parentElement.hidden = true;
+  one("controls").addEventListener("submit", (event) => event.preventDefault());
+  for (const id of ["from", "to"]) one(id).addEventListener("change", zoom);
+  one("whole").addEventListener("click", whole);
+  one("at").addEventListener("input", () => look(one("at").value === "" ? null : one("at").valueAsNumber));
+  one("angles").addEventListener("change", () => { state.angles = one("angles").value; draw(); });
+  one("search").addEventListener("input", listNames);
+  one("all").addEventListener("click", () => choose(listNames(), true).then(listNames));
+  one("none").addEventListener("click", () => choose([...state.chosen], false).then(listNames));
+  one("first").addEventListener("click", () => { state.chosen = new Set(DATA.chosen); draw(); listNames(); });
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
+  addEventListener("beforeprint", () => { state.printing = true; draw(); });
+  addEventListener("afterprint", () => { state.printing = false; draw(); });
+  draw();
+}
+begin();
