@@ -47,8 +47,8 @@ EXPLAINED = {
                 "that act together. Draws that are correlated share what they explain."),
     "scatter": ("{metric} against each dispersion, {law}", "The first {points} judged runs at most; the "
                 "twelve strongest."),
-    "sweep": ("{law}", "Over the grid. A cross is a run that was no success; a grey cell of a map has no value. The "
-              "scale of a map is that of the successes, if there are any: orange is above, light blue below it."),
+    "sweep": ("{law}", "Over the grid. A cross is a run that was no success; a grey cell of a map has no finite value. "
+              "The scale of a map is that of the successes, if there are any: orange is above, light blue below it."),
 }
 
 
@@ -124,7 +124,8 @@ def introduction(plan: Plan) -> str:
              + (", as a period in s" if d.period else "")] for d in plan.draws[plan.laws[0]]]
     correlated = listed(escape(fields_text(group.model_dump(exclude_none=True))) for group in campaign.correlations)
     most = "At most " if campaign.stop_when or campaign.rare else ""
-    ours = f"seed {campaign.seed}, sampling {campaign.rare.method if campaign.rare else campaign.sampling}"
+    ours = f"sampling {campaign.rare.method if campaign.rare else campaign.sampling}"
+    ours = ours if campaign.sampling == "grid" else f"seed {campaign.seed}, {ours}"
     drawn = [*([f"samples {escape(campaign.samples)}"] if campaign.samples else []),
              *([ours] if campaign.dispersions else [])]
     return (f"<p>{most}{campaign.runs:,} runs of {escape(subject.name)} ({subject.stop - subject.start:g} s in steps "

@@ -49,7 +49,8 @@ def rank_correlation(name: str, x: np.ndarray, y: np.ndarray) -> float:
     """Spearman's; for a phase, which has no order, the multiple correlation of y's ranks with its sine and cosine.
 
     For words, which have none either, the root of the share of the ranks' variance that they explain. 0 where x or y
-    does not vary, or there are fewer than three pairs. Infinity, as of what never settled, is the largest of all values.
+    does not vary, or there are fewer than three pairs. Infinity, as of what never settled, is the largest
+    value.
     """
     from scipy.stats import rankdata, spearmanr
 
