@@ -47,8 +47,8 @@ EXPLAINED = {
                 "that act together. Draws that are correlated share what they explain."),
     "scatter": ("{metric} against each dispersion, {law}", "The first {points} judged runs at most; the "
                 "twelve strongest."),
-    "sweep": ("{law}", "Over the grid. A cross is a run that was no success; a grey cell of a map has no value. The "
-              "scale of a map is that of the successes, if there are any: orange is above, light blue below it."),
+    "sweep": ("{law}", "Over the grid. A cross is a run that was no success; a grey cell of a map has no finite value. "
+              "The scale of a map is that of the successes, if there are any: orange is above, light blue below it."),
 }
 
 
@@ -63,7 +63,7 @@ def write(store: Store) -> dict[str, Any]:
     summary = {
         "campaign": plan.campaign.name, subject.field: subject.name, "runs": plan.campaign.runs,
         "seed": plan.campaign.seed, "sampling": plan.campaign.sampling, "success": plan.campaign.success,
-        "judged": list(JUDGED), "interval": interval_text(plan.campaign.sampling, sequence),
+        "judged": list(JUDGED), "interval": interval_text(plan.campaign.sampling, sequence, plan.campaign.samples),
         **({"stopped": stopping(rule, results)} if rule else {}),
         f"{subject.column}s": {r.law: r.summary(draws, metric, plan.metrics, subject.noun) for r in results},
         "paired": {f"{a.law} and {b.law}": paired(a, b) for i, a in enumerate(results) for b in results[i + 1:]}}
@@ -122,13 +122,14 @@ def introduction(plan: Plan) -> str:
              fields_text(d.distribution.model_dump(exclude={"also", "relative"}, exclude_none=True))
              + (f", times the nominal {d.factor:g}" if d.factor is not None else "")
              + (", as a period in s" if d.period else "")] for d in plan.draws[plan.laws[0]]]
-    sampling = escape(f"{campaign.samples}, and {campaign.sampling}" if campaign.samples else campaign.sampling)
     correlated = listed(escape(fields_text(group.model_dump(exclude_none=True))) for group in campaign.correlations)
     most = "At most " if campaign.stop_when or campaign.rare else ""
-    sampling = campaign.rare.method if campaign.rare else campaign.sampling
+    ours = f"sampling {campaign.rare.method if campaign.rare else campaign.sampling}"
+    ours = ours if campaign.sampling == "grid" else f"seed {campaign.seed}, {ours}"
+    drawn = [*([f"samples {escape(campaign.samples)}"] if campaign.samples else []),
+             *([ours] if campaign.dispersions else [])]
     return (f"<p>{most}{campaign.runs:,} runs of {escape(subject.name)} ({subject.stop - subject.start:g} s in steps "
-            f"of {subject.step:g} s) for each {subject.noun}, seed {campaign.seed}, sampling {sampling}"
-            f"{escape(subject.remark)}.</p>"
+            f"of {subject.step:g} s) for each {subject.noun}, {', '.join(drawn)}{escape(subject.remark)}.</p>"
             f"{f'<p>Metrics of this campaign:</p>{own}' if campaign.metrics else ''}"
             f"<p>A run is a success if it reaches the end and</p>{success}"
             f"<details><summary>What is uncertain</summary>{table(['drawn', 'meaning', 'unit', 'from'], rows, 'words')}"

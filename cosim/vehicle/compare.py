@@ -71,7 +71,7 @@ def settling(time: np.ndarray, command: np.ndarray, found: np.ndarray) -> float 
         if height < 1e-6 or end - begin < 2:
             continue
         took = Course(time[begin:end], found[begin:end]).settling(float(command[begin]), SETTLED * height)
-        if took is None:
+        if took is None or np.isnan(took):
             return None
         worst = max(worst or 0.0, took)
     return worst

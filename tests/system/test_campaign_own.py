@@ -8,6 +8,7 @@ from campaigns import fly_here, load
 
 from cosim.campaign.dispersions import all_draws, all_mixings, opened, run_count, with_measured
 from cosim.campaign.plan import read
+from cosim.campaign.report import introduction
 from cosim.campaign.resume import prepare
 from cosim.campaign.store import Store
 from cosim.campaign.sweep import sweep
@@ -74,6 +75,13 @@ def test_rows_fly_as_they_stand_in_the_file_beside_what_is_drawn(tmp_path):
         (290.0, 1.0, 0.30000000000000004), (300.125, 0.9, 0.4), (310.0, 1.1, 0.5)]
     assert {r["status"] for r in rows} == {"finished"} and len({r["plant.CM_alpha"] for r in rows}) == 3
     assert len({r["altitude_error_ft.rms"] for r in rows}) == 3
+
+
+def test_the_report_names_the_samples_and_a_seed_only_of_what_is_drawn(tmp_path):
+    assert ", samples draws.csv, flavour native" in introduction(load(own(tmp_path)))
+    disp = {"plant.CM_alpha": {"distribution": "uniform", "low": 0.9, "high": 1.1, "relative": True}}
+    both = introduction(load(own(tmp_path, dispersions=disp, seed=3)))
+    assert ", samples draws.csv, seed 3, sampling random, flavour native" in both
 
 
 def test_another_file_is_another_campaign(tmp_path):
