@@ -86,7 +86,7 @@ def maps(count=800):
     """Success over the phases of lift and moment for each law."""
     phases = np.degrees([[values["scenario"][f"scale_{group}_sine_phase"] for group in GROUPS]
                          for values in independent(18, count)])
-    figure, axes = plt.subplots(2, 3, figsize=(WIDTH, 5.6), sharey=True)
+    figure, axes = plt.subplots(2, 3, figsize=(WIDTH, 6.0), sharex=True, sharey=True, layout="constrained")
     axes[1, 2].set_axis_off()
     result = {}
     for axis, (name, (law, preset)) in zip(axes.flat, LAWS.items()):
@@ -95,15 +95,15 @@ def maps(count=800):
         within = kept & (np.array([f.h for f in found]) < 20)
         for which, hue, mark, label in ((~kept, RED, "x", "lost"), (within, BLUE, ".", "within 20 ft"),
                                         (kept & ~within, ORANGE, "^", "kept, more than 20 ft")):
-            axis.plot(*phases[which][:, [1, 3]].T, mark, color=hue, markersize=2.5, markeredgewidth=0.6,
-                      label=f"{label}: {which.sum()}")
-        axis.set(title=name, xlabel="phase of lift at t = 0 (deg)", xlim=(-180, 180), ylim=(-180, 180),
+            axis.plot(*phases[which][:, [1, 3]].T, mark, color=hue, markersize=2.5, markeredgewidth=0.6, label=label)
+        counts = f"lost {(~kept).sum()}, kept {(kept & ~within).sum()}, within {within.sum()}"
+        axis.set(title=f"{name}\n{counts}", xlabel="phase of lift at t = 0 (deg)", xlim=(-180, 180), ylim=(-180, 180),
                  xticks=range(-180, 181, 90), yticks=range(-180, 181, 90))
-        axis.legend(loc="upper center", bbox_to_anchor=(0.5, -0.24), ncol=2, handletextpad=0.1,
-                    columnspacing=0.6, borderpad=0)
+        axis.tick_params(labelbottom=True)
         result[name] = {"within": int(within.sum()), "kept": int(kept.sum()), "of": count}
     for axis in axes[:, 0]:
         axis.set_ylabel("phase of the moment at t = 0 (deg)")
+    figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=3, markerscale=2)
     save(figure, "maps")
     return result
 
@@ -154,10 +154,10 @@ def worst():
 def ablation(count=200):
     """What is lost without each part."""
     found = {part: without(part, count) for part in PARTS}
-    figure, axes = plt.subplots(1, 3, figsize=(WIDTH, 3.4), sharey=True)
+    figure, axes = plt.subplots(1, 3, figsize=(WIDTH, 3.6), sharey=True, layout="constrained")
     at = np.arange(len(found))[::-1]
     result = {}
-    for axis, kind, title in ((axes[0], "plain", "Case 1"), (axes[1], "lagged", "Case 1, elevator 30 rad/s, 60°/s")):
+    for axis, kind, title in ((axes[0], "plain", "Case 1"), (axes[1], "lagged", "Case 1, elevator\n30 rad/s, 60°/s")):
         kept = [100 * np.mean([f.survived for f in getattr(one, kind)]) for one in found.values()]
         within = [100 * np.mean([f.survived and f.h < 20 for f in getattr(one, kind)]) for one in found.values()]
         axis.barh(at, kept, color=ORANGE, height=0.7, label="kept, more than 20 ft")
@@ -167,9 +167,9 @@ def ablation(count=200):
         for part, *shares in zip(found, within, kept):
             result.setdefault(part, {})[kind] = [round(share, 1) for share in shares]
     axes[2].barh(at, [one.travel for one in found.values()], color=BLUE, height=0.7)
-    axes[2].set(title="full unit of noise", xlabel="elevator travel in 100 s (deg)")
+    axes[2].set(title="full unit of noise", xlabel="elevator travel\nin 100 s (deg)")
     axes[0].set_yticks(at, ["as it is" if part == "nothing" else f"no {part}" for part in found])
-    figure.legend(*axes[0].get_legend_handles_labels(), loc="lower left", ncol=3)
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
     for axis in axes:
         axis.grid(alpha=0.3, axis="x")
     save(figure, "ablation")
