@@ -10,6 +10,7 @@ import pyarrow.parquet as pq
 
 from ..master.whole_file import whole
 from . import charts, grid
+from .criteria import least_is_worst
 from .curves import Curves
 from .front import stopping
 from .plan import Plan
@@ -81,7 +82,7 @@ def write(store: Store) -> dict[str, Any]:
         with whole(path) as partial:
             draw().savefig(partial, dpi=110, format="png")
         pictures[name] = path.read_bytes()
-    listed = {row["run"] for r in results for row in (*r.worst(metric), *first_of(r.others))}
+    listed = {row["run"] for r in results for row in (*worst_of(plan, r), *first_of(r.others))}
     with whole(folder / "report.html") as partial:
         partial.write_text(page(plan, summary, results, pictures, Curves(store, errors, listed)))
     return {**summary, "report": str(folder / "report.html")}
@@ -217,12 +218,19 @@ def counts_text(counts: dict[str, int]) -> str:
     return ", ".join(f"{name} {count:,}" for name, count in counts.items())
 
 
+def worst_of(plan: Plan, r: Results) -> list[dict[str, Any]]:
+    """The rows of the ten worst of a law's judged runs."""
+    return r.worst(plan.worst_by, least=least_is_worst(plan.worst_by, plan.campaign.success.values()))
+
+
 def worst(plan: Plan, r: Results, curves: Curves) -> str:
     """The ten worst of a law's judged runs."""
+    order = f"by {escape(plan.worst_by or '')}, the " + (
+        "least" if least_is_worst(plan.worst_by, plan.campaign.success.values()) else "largest") + " first"
     return (f"<h2>The worst ten, {escape(r.law)}</h2><p class=note>What did not reach the end, the earliest first; "
-            f"then {f'by {escape(plan.worst_by)}' if plan.worst_by else 'what was no success'}. "
+            f"then {order if plan.worst_by else 'what was no success'}. "
             "Each command repeats its run.</p>"
-            + commands(plan, r.worst(plan.worst_by), curves))
+            + commands(plan, worst_of(plan, r), curves))
 
 
 def not_judged(plan: Plan, r: Results, curves: Curves) -> str:

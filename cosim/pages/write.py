@@ -106,8 +106,7 @@ def arrangement(about: Mapping[str, Mapping[str, str]], panels: Sequence[Panel])
     for name in about:
         if name not in placed:
             units.setdefault(about[name]["unit"], []).append(name)
-    rest = [Panel(("Other signals" if panels else "Signals") + (f" in {unit}" if unit not in ("", "1") else ""),
-                  tuple(names)) for unit, names in units.items()]
+    rest = [Panel("Other signals" if panels else "Signals", tuple(names)) for names in units.values()]
     return [panel for panel in (*found, *rest) if panel.curves]
 
 

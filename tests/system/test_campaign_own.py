@@ -113,6 +113,7 @@ WRONG_ROWS = {
     "an output": (ROWS.replace("plant.mass", "plant.V"), "row 1: plant.V is an output and cannot be set"),
     "a value outside the limits": (ROWS.replace("310,", "-310,"), "draws.csv: column plant.mass, row 3: plant.mass = "
                                                                   "-310.0 is not allowed: it must be between 0.3"),
+    "a number of Python's": (ROWS.replace("310,", "3_10,"), "plant.mass in row 3 is 3_10; it must be a finite number"),
     "a value that is missing": (ROWS.replace("310,", ","), "plant.mass in row 3 is empty; it must be a finite number"),
     "no number": (ROWS.replace("310,", "heavy,"), "plant.mass in row 3 is heavy; it must be a finite number"),
     "a column twice": (ROWS.replace("controller.k_gamma", "plant.mass"), "has two columns called plant.mass"),

@@ -125,8 +125,6 @@ def test_the_command_begins_where_the_campaign_does_though_its_file_begins_later
     row = {**dict.fromkeys((d.name for d in plan.draws["calm"]), 1.0), "variant": "calm", "run": 0}
     words = shlex.split(command(plan, row))
     assert words[words.index("--start") + 1] == "0.0"
-    assert "--start" in command(load(changed(built, "both.yaml", system="late.yaml", stop=2, runs=2)), row)
-    assert "--start" not in command(load(changed(built, "early.yaml", stop=2, runs=2)), row)
 
 
 def test_the_report_speaks_of_variants_and_draws_what_the_file_asks_for(campaign):

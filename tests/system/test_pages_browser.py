@@ -147,10 +147,13 @@ def test_the_keyboard_reaches_all_controls(browser, files):
     assert reached[:6] == ["skip", "from", "to", "whole", "at", "angles"] and "SUMMARY" in reached
 
 
-def test_it_prints_in_light_colours(browser, files, tmp_path):
+def test_it_prints_dark_curves_in_light_colours(browser, files, tmp_path):
     watched = opened(browser, files["printed"], color_scheme="dark")
     watched.page.pdf(path=tmp_path / "page.pdf")
-    assert (tmp_path / "page.pdf").stat().st_size > 20_000 and watched.said == []
+    assert (tmp_path / "page.pdf").read_bytes().count(b"/Subtype /Image") >= 12 and watched.said == []
+    watched.page.emulate_media(media="print")
+    assert "invert" in watched.page.evaluate("getComputedStyle(document.querySelector('.plot')).filter")
+    watched.page.screenshot(path=tmp_path / "print.png")
 
 
 def test_texts_of_strangers_run_nowhere(browser, tmp_path):

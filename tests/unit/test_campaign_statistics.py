@@ -184,6 +184,7 @@ def test_the_worst_are_the_earliest_departures_then_by_metric():
     r = of("a", rows("a", statuses, **{"protected_s": [5, 1, 9, 7, 2, np.nan]}))
     assert [row["run"] for row in r.worst("protected_s")] == [1, 4, 3, 0, 5]
     assert [row["run"] for row in r.worst("protected_s", 2)] == [1, 4]
+    assert [row["run"] for row in r.worst("protected_s", least=True)] == [1, 4, 0, 3, 5]
 
 
 def test_drivers_come_with_the_strongest_first():

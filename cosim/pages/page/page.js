@@ -4,7 +4,7 @@ const DATA = JSON.parse(document.getElementById("data").textContent);
 const DEGREES = 180 / Math.PI, MAXIMUM_NAMES = 2000, LEFT = 78;
 const LINES = [[], [8, 4], [2, 3], [10, 3, 2, 3], [5, 2], [14, 4]];
 const one = (id) => document.getElementById(id);
-const dark = () => matchMedia("(prefers-color-scheme: dark)").matches && !state.printing;
+const dark = () => matchMedia("(prefers-color-scheme: dark)").matches;
 // Okabe and Ito's colours; those that a background hides are darker or lighter there.
 const COLOURS = {light: ["#0072b2", "#d55e00", "#007a5a", "#b4518c", "#000000", "#2f94c8", "#a97400"],
                  dark: ["#56b4e9", "#e69f00", "#1fc59a", "#e59ac6", "#ffffff", "#f0e442", "#ff7f3a"]};
@@ -155,6 +155,7 @@ function swatch(curve) {
 
 async function draw() {
   const style = getComputedStyle(document.documentElement), colours = COLOURS[dark() ? "dark" : "light"];
+  document.documentElement.dataset.scheme = dark() ? "dark" : "light";
   const several = DATA.runs.length > 1, turn = ++drawn;
   const panels = [], figures = [];
   for (const panel of DATA.panels) {
@@ -176,7 +177,7 @@ async function draw() {
       curve.label = !several || curve.runs.length === DATA.runs.length ? curve.name : `${curve.runs.join(", ")}: ${curve.name}`;
     const units = [...new Set(names.map((name) => shownUnit(DATA.signals[name].unit)[0]))].filter((u) => u && u !== "1");
     const shown = panelPlot({title: panel.title, unitShown: units.join(", ")}, curves, style);
-    const box = made("div", {class: "plot", "aria-hidden": "true"});
+    const box = made("div", {class: "plot"});
     panels.push({...shown, box});
     const described = `${panel.title}: ${curves.map((c) => c.label).join(", ")}${units.length ? `, in ${units.join(", ")}` : ""}`;
     figures.push(made("figure", {"aria-label": described}, made("h3", {}, panel.title + (units.length ? ` (${units.join(", ")})` : "")),
@@ -290,9 +291,9 @@ function begin() {
   one("all").addEventListener("click", () => choose(listNames(), true).then(listNames));
   one("none").addEventListener("click", () => choose([...state.chosen], false).then(listNames));
   one("first").addEventListener("click", () => { state.chosen = new Set(DATA.chosen); draw(); listNames(); });
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
-  addEventListener("beforeprint", () => { state.printing = true; draw(); });
-  addEventListener("afterprint", () => { state.printing = false; draw(); });
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { if (!state.printing) draw(); });
+  addEventListener("beforeprint", () => { state.printing = true; });  // drawing would not be done in time
+  addEventListener("afterprint", () => { state.printing = false; });
   draw();
 }
 begin();
