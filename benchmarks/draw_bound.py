@@ -11,15 +11,13 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-import matplotlib
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt
 import numpy as np
 import pyarrow.parquet as pq
 import yaml
 from bound import CASES, KNOWN, MODES, QUANTILES, ROOT, WITHIN, bounds
+from matplotlib.figure import Figure
 
+from cosim import pictures
 from cosim.campaign.campaign import campaign
 from cosim.campaign.statistics import interval
 from cosim.vehicle.campaigns import Laws
@@ -84,36 +82,41 @@ def line(errors: np.ndarray, least: dict[str, np.ndarray]) -> dict[str, Any]:
             "by_bound_when_blind_for_0.1_s": bins}
 
 
+def draw(axis: Any, case: str, out: Path, draws: int | None) -> dict[str, Any]:
+    """The bounds and the laws of a case, on the first `draws` of it; what the laws' errors say."""
+    path = out / f"{case}-seed{campaign_file(case)['seed']}.csv"
+    found = {mode: bounds(path, mode, draws and range(draws)) for mode in MODES}
+    runs = sorted(set.intersection(*(set(errors) for errors in found.values())))
+    laws = {name: errors[runs] for name, errors in flown(case, runs[-1] + 1, out).items()}
+    least = {mode: np.array([errors[run] for run in runs]) for mode, errors in found.items()}
+    for (mode, label), shade in zip(LABELS.items(), ("0.75", "0.5", "0.2")):
+        curve(axis, least[mode], color=shade, linestyle="--", label=label)
+    marks = zip(laws.items(), pictures.COLOURS, pictures.MARKS)
+    for place, ((name, errors), hue, mark) in enumerate(marks):
+        curve(axis, errors, label=name, color=hue, linestyle="-", marker=mark, markevery=(0.05 + 0.02 * place, 0.15))
+    axis.axvline(WITHIN, color="k", lw=0.8, linestyle=":")
+    axis.text(1.1 * WITHIN, 1.0, f"{WITHIN:g} ft", fontsize=7)
+    axis.set(xscale="log", xlim=(LEAST, MOST), title=f"Case {case[-1]}, {len(runs)} draws",
+             xlabel="largest altitude error of a flight (ft)")
+    axis.xaxis.set_major_formatter(pictures.number)
+    return {name: line(errors, least) for name, errors in laws.items()}
+
+
 def main() -> int:
     """The command line; its exit status."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--out", type=Path, default=Path("results/bound"), metavar="DIR", help="that of bound.py")
     parser.add_argument("--draws", type=int, help="the first so many, where there are more")
     given = parser.parse_args()
-    figure, axes = plt.subplots(1, 2, figsize=(11, 4.6), sharey=True)
     said: dict[str, Any] = {}
-    for axis, case in zip(axes, CASES):
-        path = given.out / f"{case}-seed{campaign_file(case)['seed']}.csv"
-        found = {mode: bounds(path, mode, given.draws and range(given.draws)) for mode in MODES}
-        runs = sorted(set.intersection(*(set(errors) for errors in found.values())))
-        laws = {name: errors[runs] for name, errors in flown(case, runs[-1] + 1, given.out).items()}
-        least = {mode: np.array([errors[run] for run in runs]) for mode, errors in found.items()}
-        for (mode, label), shade in zip(LABELS.items(), ("0.75", "0.5", "0.2")):
-            curve(axis, least[mode], color=shade, ls="--", label=label)
-        for name, errors in laws.items():
-            curve(axis, errors, label=name)
-        said[case] = {name: line(errors, least) for name, errors in laws.items()}
-        axis.axvline(WITHIN, color="k", lw=0.8, ls=":")
-        axis.text(1.1 * WITHIN, 1.0, f"{WITHIN:g} ft", fontsize="small")
-        axis.set_xscale("log")
-        axis.set_xlim(LEAST, MOST)
-        axis.set_title(f"Case {case[-1]}, {len(runs)} draws")
-        axis.set_xlabel("largest altitude error of a flight (ft)")
-        axis.grid(True, alpha=0.3)
-    axes[0].set_ylabel("share of draws with at most that error (%)")
-    axes[0].legend(fontsize="small", loc="upper left")
-    figure.tight_layout()
-    figure.savefig(PICTURE, dpi=100)
+    with pictures.style():
+        figure = Figure(figsize=(pictures.WIDTHS[2], 3.6), layout="constrained")
+        axes = figure.subplots(1, 2, sharey=True)
+        for axis, case in zip(axes, CASES):
+            said[case] = draw(axis, case, given.out, given.draws)
+        axes[0].set_ylabel("share of draws with at most that error (%)")
+        figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
+        pictures.save(figure, PICTURE)
     print(json.dumps(said, indent=2))
     return 0
 

@@ -9,9 +9,6 @@ import sys
 from pathlib import Path
 from types import SimpleNamespace
 
-import matplotlib
-
-matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 import pyarrow.parquet as pq
@@ -27,7 +24,9 @@ import ahv_plant_fmu.model as vehicle  # noqa: E402
 from ahv_ctrl_fmu import resilient_model  # noqa: E402
 from ahv_ctrl_fmu.resilient import SECTIONS, section_gains  # noqa: E402
 from ahv_ctrl_fmu.sections import section  # noqa: E402
+from cosim import pictures  # noqa: E402
 from cosim.analysis.margins import margins, response  # noqa: E402
+from cosim.pictures import BLACK, BLUE, ORANGE, RED  # noqa: E402
 from fmus import floats  # noqa: E402
 
 PICTURES = HERE.parent / "docs" / "pictures"
@@ -36,13 +35,14 @@ CASE_1 = Path("results") / "law_table" / "case1" / "runs.parquet"
 LAWS = {"neural, calibrated": ("neural", "calibrated"), "neural, retuned": ("neural", "independent"),
         "resilient, quiet": ("resilient", "quiet"), "backstepping, calibrated": ("backstepping", "calibrated"),
         "backstepping, retuned": ("backstepping", "independent")}
-BLUE, ORANGE, RED = "#2471a3", "#e08e0b", "#c0392b"
+WIDTH = pictures.WIDTHS[2]
 SWING = 0.05 * np.pi  # rad/s, of Case 1's coefficients
 
 
 def save(figure, name):
-    figure.tight_layout()
-    figure.savefig(PICTURES / f"law_{name}.png", dpi=100)
+    if figure.get_layout_engine() is None:
+        figure.tight_layout()
+    pictures.save(figure, PICTURES / f"law_{name}")
     plt.close(figure)
 
 
@@ -57,15 +57,16 @@ def degrees(flight, name):
 def uncertain():
     """One vehicle, lost by the neural law and kept by this one."""
     lost, kept = fly(UNCERTAIN), fly(UNCERTAIN, "resilient")
-    figure, axes = plt.subplots(1, 3, figsize=(13, 3.6))
+    figure, axes = plt.subplots(1, 3, figsize=(WIDTH, 2.5), layout="constrained")
     end = int(np.argmax(np.abs(error(lost)) > DEPARTED)) + 1
-    for flight, rows, colour, label in ((lost, slice(end), RED, "the paper's law (neural, calibrated)"),
-                                        (kept, slice(None), BLUE, "resilient")):
+    for flight, rows, line, label in ((lost, slice(end), "-.", "the paper's law (neural, calibrated)"),
+                                       (kept, slice(None), "-", "resilient")):
         for axis, values in zip(axes, (error(flight), degrees(flight, "controller.elevator"),
                                        degrees(flight, "plant.alpha"))):
-            axis.plot(flight.time[rows], values[rows], colour, label=label if axis is axes[0] else None)
+            axis.plot(flight.time[rows], values[rows], line, color=RED if flight is lost else BLUE,
+                      label=label if axis is axes[0] else None)
             if flight is lost and axis is not axes[2]:
-                axis.plot(flight.time[end - 1], values[end - 1], "x", color=RED, markersize=9, markeredgewidth=2,
+                axis.plot(flight.time[end - 1], values[end - 1], "x", color=RED, markersize=7, markeredgewidth=1.6,
                           label="lost" if axis is axes[0] else None, clip_on=False)
     axes[2].plot(kept.time, degrees(kept, "controller.alpha_limit"), "k--", linewidth=1.0,
                  label="limit that resilient keeps to")
@@ -75,8 +76,7 @@ def uncertain():
     axes[2].set(ylabel="angle of attack (deg)", ylim=(0, 9))
     for axis in axes:
         axis.set(xlim=(0, 15), xlabel="time (s)")
-        axis.grid(alpha=0.3)
-        axis.legend(fontsize="small", loc="best")
+    figure.legend(loc="outside lower center", ncols=3)
     save(figure, "uncertain")
     return {"departed at s": float(lost.time[-1]), "100 ft at s": float(lost.time[end - 1]),
             "kept": vars(summary(kept))}
@@ -86,23 +86,24 @@ def maps(count=800):
     """Success over the phases of lift and moment for each law."""
     phases = np.degrees([[values["scenario"][f"scale_{group}_sine_phase"] for group in GROUPS]
                          for values in independent(18, count)])
-    figure, axes = plt.subplots(2, 3, figsize=(13, 9), sharey=True)
+    figure, axes = plt.subplots(2, 3, figsize=(WIDTH, 6.0), sharex=True, sharey=True, layout="constrained")
     axes[1, 2].set_axis_off()
     result = {}
     for axis, (name, (law, preset)) in zip(axes.flat, LAWS.items()):
         found = [summary(flight) for flight in flights(count, preset, law=law)]
         kept = np.array([f.survived for f in found])
         within = kept & (np.array([f.h for f in found]) < 20)
-        for which, colour, label in ((~kept, RED, "lost"), (kept & ~within, ORANGE, "kept, more than 20 ft"),
-                                     (within, BLUE, "within 20 ft")):
-            axis.scatter(*phases[which][:, [1, 3]].T, s=11, color=colour, label=f"{label}: {which.sum()}")
-        axis.set(title=name, xlabel="phase of lift at t = 0 (deg)", xlim=(-180, 180), ylim=(-180, 180),
+        for which, hue, mark, label in ((~kept, RED, "x", "lost"), (within, BLUE, ".", "within 20 ft"),
+                                        (kept & ~within, ORANGE, "^", "kept, more than 20 ft")):
+            axis.plot(*phases[which][:, [1, 3]].T, mark, color=hue, markersize=2.5, markeredgewidth=0.6, label=label)
+        counts = f"lost {(~kept).sum()}, kept {(kept & ~within).sum()}, within {within.sum()}"
+        axis.set(title=f"{name}\n{counts}", xlabel="phase of lift at t = 0 (deg)", xlim=(-180, 180), ylim=(-180, 180),
                  xticks=range(-180, 181, 90), yticks=range(-180, 181, 90))
-        axis.legend(fontsize="small", loc="upper center", bbox_to_anchor=(0.5, -0.16), ncol=3, handletextpad=0.1,
-                    columnspacing=0.8)
+        axis.tick_params(labelbottom=True)
         result[name] = {"within": int(within.sum()), "kept": int(kept.sum()), "of": count}
     for axis in axes[:, 0]:
         axis.set_ylabel("phase of the moment at t = 0 (deg)")
+    figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=3, markerscale=2)
     save(figure, "maps")
     return result
 
@@ -110,7 +111,7 @@ def maps(count=800):
 def worst():
     """The three largest altitude errors of the campaign."""
     rows = pq.read_table(CASE_1).sort_by([("altitude_error_ft.max_abs", "descending")]).slice(0, 3).to_pylist()
-    figure, axes = plt.subplots(4, 3, figsize=(13, 10), sharex="col", sharey="row")
+    figure, axes = plt.subplots(4, 3, figsize=(WIDTH, 6.2), sharex="col", sharey="row", layout="constrained")
     result = {}
     with Loaded("resilient", "quiet") as loaded:
         for column, row in zip(axes.T, rows):
@@ -119,19 +120,20 @@ def worst():
             t = flight.time
             at = t[np.abs(error(flight)).argmax()]
             true = {group: 1 + 0.4 * np.sin(SWING * t + phases[group]) for group in ("lift", "moment")}
-            column[0].plot(t, error(flight), BLUE)
+            column[0].plot(t, error(flight), "-", color=BLUE)
             column[0].axhspan(-20, 20, color="0.92")
             column[0].set_title(f"run {row['run']}: {np.abs(error(flight)).max():.1f} ft at {at:.1f} s")
-            column[1].plot(t, degrees(flight, "controller.elevator"), BLUE, label="elevator")
-            column[1].plot(t, degrees(flight, "controller.elevator_hold"), ORANGE, linewidth=1.0,
-                           label="that holds the angle of attack")
+            column[1].plot(t, degrees(flight, "controller.elevator"), "-", color=BLUE, label="elevator")
+            column[1].plot(t, degrees(flight, "controller.elevator_hold"), "--", color=ORANGE, linewidth=1.0,
+                           label="that holds the\nangle of attack")
             column[1].axhline(20, color="k", linestyle=":", linewidth=1.0, label="stop")
-            column[2].plot(t, degrees(flight, "plant.alpha"), BLUE, label="angle of attack")
-            column[2].plot(t, degrees(flight, "controller.alpha_command"), ORANGE, linewidth=1.0, label="commanded")
-            column[2].plot(t, degrees(flight, "controller.alpha_limit"), "k--", linewidth=1.0, label="limit")
-            for group, colour in (("lift", BLUE), ("moment", RED)):
-                column[3].plot(t, true[group], colour, linestyle="--", linewidth=1.0, label=f"{group}, true")
-                column[3].plot(t, flight[f"controller.scale_{group}"], colour, label=f"{group}, found")
+            column[2].plot(t, degrees(flight, "plant.alpha"), "-", color=BLUE, label="angle of attack")
+            column[2].plot(t, degrees(flight, "controller.alpha_command"), "--", color=ORANGE, linewidth=1.0,
+                           label="commanded")
+            column[2].plot(t, degrees(flight, "controller.alpha_limit"), "k:", linewidth=1.0, label="limit")
+            for group, hue, line in (("lift", BLUE, "-"), ("moment", RED, "--")):
+                column[3].plot(t, true[group], line, color="0.6", linewidth=2.6, label=f"{group}, true")
+                column[3].plot(t, flight[f"controller.scale_{group}"], line, color=hue, label=f"{group}, found")
             column[3].set(xlabel="time (s)", xlim=(0, 12))
             result[f"run {row['run']}"] = {
                 "error_ft": float(np.abs(error(flight)).max()), "at_s": float(at),
@@ -139,12 +141,12 @@ def worst():
                 "protected_s": row["protected_s"], "alpha_margin_deg": row["alpha_margin_deg.min"],
                 "phases": {group: round(p, 4) for group, p in phases.items()}}
     for axis, label, low, high in zip(axes[:, 0], ("altitude error (ft)", "elevator (deg)", "angle of attack (deg)",
-                                                   "scale"), (-40, -22, -1, 0.5), (40, 22, 7, 1.5)):
+                                                   "scale (1)"), (-40, -22, -1, 0.5), (40, 22, 7, 1.5)):
         axis.set(ylabel=label, ylim=(low, high))
     for axis in axes.flat:
         axis.grid(alpha=0.3)
-    for axis in axes[1:, 0]:
-        axis.legend(fontsize="small", loc="lower right")
+    for axis in axes[1:, 2]:
+        axis.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
     save(figure, "worst")
     return result
 
@@ -152,22 +154,22 @@ def worst():
 def ablation(count=200):
     """What is lost without each part."""
     found = {part: without(part, count) for part in PARTS}
-    figure, axes = plt.subplots(1, 3, figsize=(13, 5), sharey=True)
+    figure, axes = plt.subplots(1, 3, figsize=(WIDTH, 3.6), sharey=True, layout="constrained")
     at = np.arange(len(found))[::-1]
     result = {}
-    for axis, kind, title in ((axes[0], "plain", "Case 1"), (axes[1], "lagged", "Case 1, elevator 30 rad/s, 60°/s")):
+    for axis, kind, title in ((axes[0], "plain", "Case 1"), (axes[1], "lagged", "Case 1, elevator\n30 rad/s, 60°/s")):
         kept = [100 * np.mean([f.survived for f in getattr(one, kind)]) for one in found.values()]
         within = [100 * np.mean([f.survived and f.h < 20 for f in getattr(one, kind)]) for one in found.values()]
         axis.barh(at, kept, color=ORANGE, height=0.7, label="kept, more than 20 ft")
         axis.barh(at, within, color=BLUE, height=0.7, label="within 20 ft")
-        axis.barh(at, 100 - np.array(kept), left=kept, color=RED, height=0.7, alpha=0.6, label="lost")
+        axis.barh(at, 100 - np.array(kept), left=kept, color=RED, height=0.7, hatch="////", edgecolor="w", label="lost")
         axis.set(title=title, xlabel=f"flights of {count} (%)", xlim=(0, 100))
         for part, *shares in zip(found, within, kept):
             result.setdefault(part, {})[kind] = [round(share, 1) for share in shares]
     axes[2].barh(at, [one.travel for one in found.values()], color=BLUE, height=0.7)
-    axes[2].set(title="full unit of noise", xlabel="elevator travel in 100 s (deg)")
+    axes[2].set(title="full unit of noise", xlabel="elevator travel\nin 100 s (deg)")
     axes[0].set_yticks(at, ["as it is" if part == "nothing" else f"no {part}" for part in found])
-    figure.legend(*axes[0].get_legend_handles_labels(), fontsize="small", loc="lower left", ncol=3)
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
     for axis in axes:
         axis.grid(alpha=0.3, axis="x")
     save(figure, "ablation")
@@ -191,19 +193,19 @@ def structures():
     """Preset `coupled` at the elevator: its filter, and the loop on each structure."""
     omega = np.geomspace(0.3, np.pi / 0.01, 1500)
     gains = resilient_model.PRESETS["coupled"]
-    figure, axes = plt.subplots(1, 2, figsize=(13, 4.2))
+    figure, axes = plt.subplots(1, 2, figsize=(WIDTH, 2.8))
     size = np.abs(filter_response(gains, omega))
-    axes[0].loglog(omega, size, BLUE)
-    axes[0].set(title="filter of the moment demand", ylabel="|F|", ylim=(1e-2, 3))
+    axes[0].loglog(omega, size, "-", color=BLUE)
+    axes[0].set(title="filter of the moment demand", ylabel="|F| (1)", ylim=(1e-2, 3))
     result = {"largest |F| above 35 rad/s": float(size[omega > 35].max())}
-    for (name, plant), colour in zip(STRUCTURES.items(), ("k", BLUE, ORANGE, RED)):
+    for (name, plant), hue in zip(STRUCTURES.items(), (BLACK, BLUE, ORANGE, RED)):
         for factor, line in ((1.0, "-"), (0.9, ":"), (1.1, "--")):
             if factor != 1 and not plant:
                 continue
             cut = linear_loop(vehicle, resilient_model, gains, 7700.0, 85000.0,
                               parameters={**plant, **modes(factor)}).cut(actuator=1)
             loop = -response(cut.A, cut.B, cut.C, cut.D, omega, cut.step)[:, 0, 0]
-            axes[1].loglog(omega, np.abs(loop), line, color=colour, linewidth=1.5 if factor == 1 else 0.8,
+            axes[1].loglog(omega, np.abs(loop), line, color=hue, linewidth=1.5 if factor == 1 else 0.8,
                            label=name if factor == 1 else None)
             result[f"{name}, mode frequencies x {factor:g}"] = margins(omega, loop).as_dict()
             if factor == 1 and plant:
@@ -211,9 +213,9 @@ def structures():
                 found = [float(abs(p)) for p in poles if p.imag > 5]
                 result[f"{name}, modes (rad/s)"] = [round(at, 2) for at in found]
                 for at in found:
-                    axes[0].axvline(at, color=colour, linewidth=0.8, linestyle=":")
-    axes[1].set(title="loop cut at the elevator", ylabel="gain", ylim=(1e-2, 10))
-    axes[1].legend(fontsize="small")
+                    axes[0].axvline(at, color=hue, linewidth=0.8, linestyle=":")
+    axes[1].set(title="loop cut at the elevator", ylabel="gain (1)", ylim=(1e-2, 10))
+    axes[1].legend()
     for axis in axes:
         axis.axhline(1, color="0.5", linewidth=0.8)
         axis.set_xlabel("frequency (rad/s)")
@@ -226,4 +228,6 @@ DRAWN = (uncertain, maps, worst, ablation, structures)
 
 if __name__ == "__main__":
     wanted = sys.argv[1:] or [f.__name__ for f in DRAWN]
-    print(json.dumps({f.__name__: f() for f in DRAWN if f.__name__ in wanted}, indent=1, default=float))
+    with pictures.style():
+        found = {f.__name__: f() for f in DRAWN if f.__name__ in wanted}
+    print(json.dumps(found, indent=1, default=float))

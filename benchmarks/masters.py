@@ -174,21 +174,28 @@ def summary(figures: list) -> dict:
 
 
 def draw(result: dict[str, dict], path: Path) -> None:
+    """Dots for the medians, with the least and the most: a bar has no foot on a logarithmic axis."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(9, 2.0 * len(result) + 1), layout="constrained")
-    for axis, (system, rows) in zip(figure.subplots(len(result), 1), result.items()):
-        shown = {name: row for name, row in rows.items() if "us" in row}
-        values = [row["us"] for row in shown.values()]
-        spread = [[row["us"] - row["least_us"] for row in shown.values()],
-                  [row["most_us"] - row["us"] for row in shown.values()]]
-        bars = axis.barh(list(shown), values, xerr=spread, color=["C0", *["0.7"] * (len(shown) - 1)])
-        axis.bar_label(bars, [f"{v:.3g} µs" for v in values], padding=12)
-        axis.set(xscale="log", title=system, xlabel="time per tick (µs), median and spread",
-                 xlim=(min(values) / 3, max(values) * 8))
-        axis.invert_yaxis()
-    path.parent.mkdir(parents=True, exist_ok=True)
-    figure.savefig(path, dpi=120)
+    from cosim import pictures
+
+    with pictures.style():
+        figure = Figure(figsize=(pictures.WIDTHS[2], 1.35 * len(result) + 0.4), layout="constrained")
+        axes = figure.subplots(len(result), 1, sharex=True)
+        for axis, (system, rows) in zip(axes, result.items()):
+            shown = {name: row for name, row in rows.items() if "us" in row}
+            values = [row["us"] for row in shown.values()]
+            spread = [[row["us"] - row["least_us"] for row in shown.values()],
+                      [row["most_us"] - row["us"] for row in shown.values()]]
+            axis.errorbar(values, list(shown), xerr=spread, fmt="o", color=pictures.BLUE, markersize=5, capsize=3)
+            for place, value in enumerate(values):
+                axis.annotate(f"{value:.3g} µs", (value, place), (0, 6), textcoords="offset points", ha="center",
+                              fontsize=7)
+            axis.set(xscale="log", title=system, ylim=(len(shown) - 0.5, -0.7))
+            axis.xaxis.set_major_formatter(pictures.number)
+        axes[-1].set_xlabel("time per communication step (µs), median and spread of the rounds")
+        path.parent.mkdir(parents=True, exist_ok=True)
+        pictures.save(figure, path)
 
 
 def show(result: dict[str, dict]) -> None:

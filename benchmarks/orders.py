@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullLocator
 from scipy.linalg import expm
 
 HERE = Path(__file__).parent
@@ -20,6 +21,7 @@ sys.path[:0] = [str(HERE), str(HERE.parent / "tests")]
 import oracle  # noqa: E402
 import small  # noqa: E402
 
+from cosim import pictures  # noqa: E402
 from cosim.master.fly import fly  # noqa: E402
 from cosim.vehicle import scenarios  # noqa: E402
 from cosim.vehicle.closed_loop import assignments, closed_loop  # noqa: E402
@@ -99,20 +101,33 @@ def measure_variable(system) -> dict:
 
 
 def draw(results: dict, path: Path) -> None:
-    figure = Figure(figsize=(11, 5), layout="constrained")
-    for axis, (title, found) in zip(figure.subplots(1, len(results)), results.items()):
-        for i, (word, row) in enumerate(found["fixed"].items()):
-            axis.loglog(STEPS, row["errors"], "s--" if "linear" in word else "o-", color=f"C{i % 4}",
-                        label=f"{word}: {row['slope']:.2f}", linewidth=1.2, markersize=4)
-        for order in (1, 2):
-            guide = np.array(STEPS) ** order
-            height = found["fixed"]["jacobi"]["errors"][-1] / guide[-1] / 3 ** order
-            axis.loglog(STEPS, height * guide, ":", color="0.6")
-        axis.set(title=title, xlabel="communication step (s)", ylabel="largest scaled error")
-        axis.legend(fontsize=7, title="slope (dotted: 1 and 2)", title_fontsize=7)
-        axis.grid(True, which="both", alpha=0.2)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    figure.savefig(path, dpi=120)
+    """Errors over the step, and below over Jacobi's; hollow marks for inputs that follow their last slope."""
+    ms = 1e3 * np.array(STEPS)
+    with pictures.style():
+        figure = Figure(figsize=(pictures.WIDTHS[2], 5.6), layout="constrained")
+        axes = figure.subplots(2, len(results), sharex=True, height_ratios=(3, 2))
+        for (above, below), (title, found) in zip(axes.T, results.items()):
+            count, jacobi = len(found["fixed"]), np.array(found["fixed"]["jacobi"]["errors"])
+            # Where curves coincide, the larger marks are seen around the smaller.
+            looks = zip(pictures.styled(count), pictures.MARKS, np.linspace(8, 3.5, count))
+            for (word, row), (line, mark, size) in zip(found["fixed"].items(), looks):
+                look = {"marker": mark, "markersize": size, "fillstyle": "none" if "linear" in word else "full", **line}
+                above.plot(ms, row["errors"], label=f"{word}: {row['slope']:.2f}", **look)
+                below.plot(ms, row["errors"] / jacobi, **look)
+            for order in (1, 2):
+                guide = jacobi[-1] / 3 ** order * (ms / ms[-1]) ** order
+                above.plot(ms, guide, "-", color="0.6", linewidth=0.8)
+                above.annotate(f"{order}", (ms[0], guide[0]), (-3, 0), textcoords="offset points", ha="right",
+                               va="center", color="0.35", fontsize=7)
+            above.set(title=title, xscale="log", yscale="log")
+            below.set(xlabel="communication step (ms)", yscale="log")
+            below.set_xticks(ms, [f"{step:g}" for step in ms])
+            below.xaxis.set_minor_locator(NullLocator())
+            below.legend(*above.get_legend_handles_labels(), title="slope (grey lines: 1 and 2)", loc="upper center",
+                         bbox_to_anchor=(0.5, -0.3))
+        axes[0, 0].set_ylabel("largest scaled error (1)")
+        axes[1, 0].set_ylabel("error over that of jacobi (1)")
+        pictures.save(figure, path)
 
 
 def main() -> None:
@@ -121,6 +136,7 @@ def main() -> None:
         results = {s.title: {"fixed": measure(s)} for s in systems}
         for system, result in zip((Pair(Path(folder)), systems[1]), results.values()):
             result["variable"] = measure_variable(system)
+    OUT.mkdir(parents=True, exist_ok=True)
     draw(results, OUT / "orders.png")
     if "--json" in sys.argv:
         print(json.dumps({"steps_s": STEPS, "orders": results, "figure": str(OUT / "orders.png")}))

@@ -10,6 +10,7 @@ import pyarrow.compute
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from ..pictures import BLUE, RED, colour
 from .labels import Label, on_axes
 from .plan import Plan
 from .statistics import EXPLAINED, Results
@@ -19,7 +20,7 @@ WIDTH = 9.0
 POINTS = 2000      # of a scatter plot
 MOST_PANELS = 24
 WRAP = 44          # characters of a line of a label
-FAILURE, SUCCESS = "#c0392b", "#2471a3"
+FAILURE, SUCCESS = RED, BLUE
 
 
 def figure(height: float, rows: int = 1, columns: int = 1, **options: Any) -> tuple[Figure, np.ndarray]:
@@ -41,7 +42,7 @@ def probability(results: list[Results]) -> Figure:
     axis = axes[0, 0]
     for i, r in enumerate(results):
         p, (low, high) = r.probability or 0.0, r.interval
-        axis.barh(i, p, color=f"C{i}", alpha=0.6)
+        axis.barh(i, p, color=colour(i), alpha=0.6)
         axis.errorbar(p, i, xerr=[[max(0.0, p - low)], [max(0.0, high - p)]], color="k", capsize=6)
     axis.set_yticks(range(len(results)), [r.law for r in results])
     axis.invert_yaxis()
@@ -63,9 +64,9 @@ def envelopes(results: list[Results], errors: pa.Table, labels: Mapping[str, str
             axis, lines = axes[row, column], by_name[name]
             if len(lines):
                 levels = np.nanquantile(lines, [0.0, 0.05, 0.5, 0.95, 1.0], axis=0)
-                axis.fill_between(time, levels[0], levels[4], color=f"C{column}", alpha=0.15, label="all")
-                axis.fill_between(time, levels[1], levels[3], color=f"C{column}", alpha=0.35, label="5 to 95 %")
-                axis.plot(time, levels[2], color=f"C{column}", label="median")
+                axis.fill_between(time, levels[0], levels[4], color=colour(column), alpha=0.15, label="all")
+                axis.fill_between(time, levels[1], levels[3], color=colour(column), alpha=0.35, label="5 to 95 %")
+                axis.plot(time, levels[2], color=colour(column), label="median")
                 small = float(np.nanmedian(np.abs(lines))) or 1e-6
                 if np.nanmax(np.abs(lines)) > 50 * small:
                     axis.set_yscale("symlog", linthresh=10.0**np.ceil(np.log10(5 * small)))
@@ -75,7 +76,7 @@ def envelopes(results: list[Results], errors: pa.Table, labels: Mapping[str, str
         flying = 100 * np.isfinite(lines).mean(axis=0)
         if len(time) and time[-1] < stop * (1 - 1e-9):
             time, flying = np.append(time, [time[-1], stop]), np.append(flying, [0.0, 0.0])
-        axes[-1, column].plot(time, flying, color=f"C{column}")
+        axes[-1, column].plot(time, flying, color=colour(column))
         axes[-1, column].set_xlim(start, stop)
         axes[-1, column].set_ylim(-3, 103)
         axes[-1, column].set_xlabel("time (s)")
@@ -112,7 +113,7 @@ def histograms(results: list[Results], metrics: Mapping[str, Metric]) -> Figure:
                 low, high = low - 0.05 * (abs(low) or 1), high + 0.05 * (abs(low) or 1)
             bins = np.geomspace(low, high, 50) if log else np.linspace(low, high, 50)
             for i, (r, values) in enumerate(zip(results, columns)):
-                axis.hist(values, bins, alpha=0.5, label=r.law, color=f"C{i}")
+                axis.hist(values, bins, alpha=0.5, label=r.law, color=colour(i))
         if log:
             axis.set_xscale("log")
         endless = sum(int(np.isinf(r.columns[name]).sum()) for r in results)
@@ -135,7 +136,7 @@ def drivers(results: list[Results], draws: list[str], metric: str | None, labels
     for axis, (what, title) in zip(axes[0], shown.items()):
         for i, (r, by_draw) in enumerate(zip(results, found)):
             at = np.arange(len(names)) + (i - (len(results) - 1) / 2) * 0.8 / len(results)
-            axis.barh(at, [by_draw[n][what] for n in names], 0.8 / len(results), color=f"C{i}", label=r.law)
+            axis.barh(at, [by_draw[n][what] for n in names], 0.8 / len(results), color=colour(i), label=r.law)
         axis.set_xlim(0 if what == EXPLAINED else -1, 1)
         axis.set_xticks([0, 0.5, 1] if what == EXPLAINED else [-1, -0.5, 0, 0.5, 1])
         axis.set_title(title, fontsize="small")
@@ -159,7 +160,7 @@ def scatter(r: Results, draws: list[str], metric: str, labels: Mapping[str, Labe
     y, success = r.columns[metric][chosen], r.columns["success"][chosen].astype(bool)
     for axis, name in zip(axes.flat, names):
         x = r.columns[name][chosen]
-        axis.plot(x[~success], y[~success], ".", ms=3, alpha=0.5, color=FAILURE, label="failure")
+        axis.plot(x[~success], y[~success], "x", ms=3, alpha=0.5, color=FAILURE, label="failure")
         axis.plot(x[success], y[success], ".", ms=3, alpha=0.5, color=SUCCESS, label="success")
         axis.set_xlabel(fill(words[name], WRAP), fontsize="small")
         axis.set_title(f"rank correlation with failure: {by_draw[name]['failure']:.2f}".replace("-", "\N{MINUS SIGN}"),

@@ -1,12 +1,13 @@
 """Metrics and success criteria of a campaign file: expressions (master.measures), such as
 `altitude_error_ft.max_abs < 20 and elevator_deg.travel < 300`. They are checked before anything flies, and valued in
 the worker."""
+import ast
 from collections.abc import Collection, Mapping
 from functools import cache
 
 from ..errors import UsageError, did_you_mean
 from ..master.course import Course
-from ..master.evaluate import NUMBER, TRUTH, Courses
+from ..master.evaluate import NUMBER, TRUTH, Courses, word
 from ..master.flight import Flight
 from ..master.measures import check, parse, shown, values
 from ..yaml_file import Source
@@ -29,7 +30,7 @@ def check_measures(source: Source, campaign: Campaign, subject: Subject, signals
             if name in known or name in taken:
                 kind = "metric" if name in known else "column or a signal"
                 raise UsageError(f"there is a {kind} of this name already")
-            later = [word for word in parse(text).names if word in campaign.metrics and word not in known]
+            later = [n for n in parse(text).names if n in campaign.metrics and n not in known]
             if later:
                 raise UsageError(f"'{shown(text)}': {later[0]} is no metric yet: a metric may name those above it")
             check(parse(text), signals, known, NUMBER)
@@ -42,6 +43,17 @@ def check_measures(source: Source, campaign: Campaign, subject: Subject, signals
     for i, name in enumerate(getattr(campaign, "over_time", ())):
         if name not in signals:
             source.fail(("over_time", i), f"there is no signal {name}{did_you_mean(name, signals)}")
+
+
+def least_is_worst(metric: str | None, success: Collection[str]) -> bool:
+    """Whether the criteria bound the metric from below only, as `clearance > 3` does."""
+    found = set()
+    for node in (node for text in success for node in ast.walk(parse(text).tree) if isinstance(node, ast.Compare)):
+        names = [word(side) for side in (node.left, *node.comparators)]
+        for a, op, b in zip(names, node.ops, names[1:]):
+            if metric is not None and metric in (a, b) and isinstance(op, ast.Lt | ast.LtE | ast.Gt | ast.GtE):
+                found.add((a == metric) == isinstance(op, ast.Gt | ast.GtE))
+    return found == {True}
 
 
 def courses(flight: Flight) -> Courses:

@@ -1,7 +1,6 @@
 """The campaign file's dispersions, checked against the FMUs, as a list of draws."""
 import math
 from collections.abc import Mapping
-from dataclasses import replace
 from pathlib import Path
 
 from ..errors import UsageError
@@ -225,13 +224,6 @@ def constants(source: Source, campaign: Campaign, files: Fmus) -> dict[str, Valu
                     value = 2 * math.pi / number if key == "period" else number
                     fixed[name + suffix] = checked(files, name + suffix, value)
     return fixed
-
-
-def with_values(system: System, values: Mapping[str, Value]) -> System:
-    """`system` with values for component.variable."""
-    return replace(system, components=tuple(c.with_values(
-        {name.partition(".")[2]: x for name, x in values.items() if name.partition(".")[0] == c.name})
-        for c in system.components))
 
 
 def all_mixings(source: Source, campaign: Campaign, draws: tuple[Draw, ...]) -> tuple[Mixing, ...]:

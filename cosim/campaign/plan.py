@@ -27,7 +27,6 @@ from .dispersions import (
     opened,
     run_count,
     with_measured,
-    with_values,
 )
 from .labels import Label, labels_of
 from .rare_rules import check_rare, towards, version, whole_tasks
@@ -190,7 +189,7 @@ def make(campaign: Campaign, source: Source, kind: type[Subject]) -> Plan:
             record[variant] = recorded(source, campaign, subject, system, files)
             labels |= labels_of([*(d.name for d in draws[variant]), *record[variant]], files)
             fixed = constants(source, campaign, files)
-            system = with_values(system, fixed)
+            system = system.with_values(fixed)
             stored = {c.name: f"{files[c.name].sha256}/{c.fmu.name}" for c in system.components}
             python = any((file.folder / "resources" / "slavemodule.txt").is_file() for file in files.values())
         fmus.update({stored[c.name]: c.fmu for c in system.components})

@@ -10,6 +10,7 @@ import pyarrow.parquet as pq
 
 from ..master.whole_file import whole
 from . import charts, grid
+from .criteria import least_is_worst
 from .curves import Curves
 from .front import stopping
 from .plan import Plan
@@ -47,8 +48,8 @@ EXPLAINED = {
                 "that act together. Draws that are correlated share what they explain."),
     "scatter": ("{metric} against each dispersion, {law}", "The first {points} judged runs at most; the "
                 "twelve strongest."),
-    "sweep": ("{law}", "Over the grid. A cross is a run that was no success; a grey cell of a map has no value. The "
-              "scale of a map is that of the successes, if there are any: orange is above, light blue below it."),
+    "sweep": ("{law}", "Over the grid. A cross is a run that was no success; a grey cell of a map has no finite value. "
+              "The scale of a map is that of the successes, if there are any: orange is above, light blue below it."),
 }
 
 
@@ -63,7 +64,7 @@ def write(store: Store) -> dict[str, Any]:
     summary = {
         "campaign": plan.campaign.name, subject.field: subject.name, "runs": plan.campaign.runs,
         "seed": plan.campaign.seed, "sampling": plan.campaign.sampling, "success": plan.campaign.success,
-        "judged": list(JUDGED), "interval": interval_text(plan.campaign.sampling, sequence),
+        "judged": list(JUDGED), "interval": interval_text(plan.campaign.sampling, sequence, plan.campaign.samples),
         **({"stopped": stopping(rule, results)} if rule else {}),
         f"{subject.column}s": {r.law: r.summary(draws, metric, plan.metrics, subject.noun) for r in results},
         "paired": {f"{a.law} and {b.law}": paired(a, b) for i, a in enumerate(results) for b in results[i + 1:]}}
@@ -81,7 +82,7 @@ def write(store: Store) -> dict[str, Any]:
         with whole(path) as partial:
             draw().savefig(partial, dpi=110, format="png")
         pictures[name] = path.read_bytes()
-    listed = {row["run"] for r in results for row in (*r.worst(metric), *first_of(r.others))}
+    listed = {row["run"] for r in results for row in (*worst_of(plan, r), *first_of(r.others))}
     with whole(folder / "report.html") as partial:
         partial.write_text(page(plan, summary, results, pictures, Curves(store, errors, listed)))
     return {**summary, "report": str(folder / "report.html")}
@@ -122,13 +123,14 @@ def introduction(plan: Plan) -> str:
              fields_text(d.distribution.model_dump(exclude={"also", "relative"}, exclude_none=True))
              + (f", times the nominal {d.factor:g}" if d.factor is not None else "")
              + (", as a period in s" if d.period else "")] for d in plan.draws[plan.laws[0]]]
-    sampling = escape(f"{campaign.samples}, and {campaign.sampling}" if campaign.samples else campaign.sampling)
     correlated = listed(escape(fields_text(group.model_dump(exclude_none=True))) for group in campaign.correlations)
     most = "At most " if campaign.stop_when or campaign.rare else ""
-    sampling = campaign.rare.method if campaign.rare else campaign.sampling
+    ours = f"sampling {campaign.rare.method if campaign.rare else campaign.sampling}"
+    ours = ours if campaign.sampling == "grid" else f"seed {campaign.seed}, {ours}"
+    drawn = [*([f"samples {escape(campaign.samples)}"] if campaign.samples else []),
+             *([ours] if campaign.dispersions else [])]
     return (f"<p>{most}{campaign.runs:,} runs of {escape(subject.name)} ({subject.stop - subject.start:g} s in steps "
-            f"of {subject.step:g} s) for each {subject.noun}, seed {campaign.seed}, sampling {sampling}"
-            f"{escape(subject.remark)}.</p>"
+            f"of {subject.step:g} s) for each {subject.noun}, {', '.join(drawn)}{escape(subject.remark)}.</p>"
             f"{f'<p>Metrics of this campaign:</p>{own}' if campaign.metrics else ''}"
             f"<p>A run is a success if it reaches the end and</p>{success}"
             f"<details><summary>What is uncertain</summary>{table(['drawn', 'meaning', 'unit', 'from'], rows, 'words')}"
@@ -216,12 +218,19 @@ def counts_text(counts: dict[str, int]) -> str:
     return ", ".join(f"{name} {count:,}" for name, count in counts.items())
 
 
+def worst_of(plan: Plan, r: Results) -> list[dict[str, Any]]:
+    """The rows of the ten worst of a law's judged runs."""
+    return r.worst(plan.worst_by, least=least_is_worst(plan.worst_by, plan.campaign.success.values()))
+
+
 def worst(plan: Plan, r: Results, curves: Curves) -> str:
     """The ten worst of a law's judged runs."""
+    order = f"by {escape(plan.worst_by or '')}, the " + (
+        "least" if least_is_worst(plan.worst_by, plan.campaign.success.values()) else "largest") + " first"
     return (f"<h2>The worst ten, {escape(r.law)}</h2><p class=note>What did not reach the end, the earliest first; "
-            f"then {f'by {escape(plan.worst_by)}' if plan.worst_by else 'what was no success'}. "
+            f"then {order if plan.worst_by else 'what was no success'}. "
             "Each command repeats its run.</p>"
-            + commands(plan, r.worst(plan.worst_by), curves))
+            + commands(plan, worst_of(plan, r), curves))
 
 
 def not_judged(plan: Plan, r: Results, curves: Curves) -> str:

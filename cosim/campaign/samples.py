@@ -32,9 +32,16 @@ FITS: dict[str, Callable[[pa.DataType], bool]] = {
     "Boolean": pa.types.is_boolean, "String": lambda t: pa.types.is_string(t) or pa.types.is_large_string(t)}
 
 
+def plain(value: Any) -> Any:
+    """The value. Raises ValueError for a text such as 1_000, which Python takes for a number and others do not."""
+    if isinstance(value, str) and "_" in value:
+        raise ValueError
+    return value
+
+
 def real(value: Any) -> float:
     """Raises ValueError unless `value` is a finite number that a double holds exactly, or the text of a number."""
-    found = float(value)
+    found = float(plain(value))
     if not math.isfinite(found) or (isinstance(value, int) and int(found) != value):
         raise ValueError
     return found
@@ -42,6 +49,7 @@ def real(value: Any) -> float:
 
 def whole(value: Any) -> int:
     """Raises ValueError unless `value` is a whole number of 64 bits, or the text of one."""
+    value = plain(value)
     try:
         found = int(value)
     except ValueError:

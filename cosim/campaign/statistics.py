@@ -16,13 +16,16 @@ FEWEST, MOST_GROUPS = 30, 20  # runs that are grouped, and groups of them
 JUDGED = ("finished", "departed")  # statuses that say something of the law; the others are failures of the machinery
 
 
-def interval_text(sampling: str, sequence: Sequence | None = None) -> str:
-    """What an interval is worth with a kind of sampling, or with a rule that ends the campaign."""
+def interval_text(sampling: str, sequence: Sequence | None = None, samples: str | None = None) -> str:
+    """What an interval is worth with a kind of sampling, with a rule that ends the campaign, or with a file of samples.
+    """
     if sampling == "grid":
         return "none: the points of a grid are not drawn"
     if sequence:
         return ("at least 95 % confidence, whatever ended the campaign (a confidence sequence: the beta-binomial "
                 "mixture of Robbins, in the form of Howard and others)")
+    if samples is not None:
+        return f"at least 95 % confidence (Clopper and Pearson), if the rows of {samples} are independent draws"
     text = "at least 95 % confidence (Clopper and Pearson, for independent draws)"
     return text if sampling == "random" else \
         f"{text}; {sampling} draws lie more evenly, so that the interval is often wider than it need be"
@@ -46,16 +49,17 @@ def rank_correlation(name: str, x: np.ndarray, y: np.ndarray) -> float:
     """Spearman's; for a phase, which has no order, the multiple correlation of y's ranks with its sine and cosine.
 
     For words, which have none either, the root of the share of the ranks' variance that they explain. 0 where x or y
-    does not vary, or fewer than three pairs are finite.
+    does not vary, or there are fewer than three pairs. Infinity, as of what never settled, is the largest
+    value.
     """
     from scipy.stats import rankdata, spearmanr
 
     if x.dtype.kind != "f":
-        ok = np.isfinite(y)
+        ok = ~np.isnan(y)
         return float(explained(x[ok], rankdata(y[ok])) ** 0.5)
-    ok = np.isfinite(x) & np.isfinite(y)
+    ok = np.isfinite(x) & ~np.isnan(y)
     x, y = x[ok], y[ok]
-    if ok.sum() < 3 or np.ptp(x) == 0 or np.ptp(y) == 0:
+    if ok.sum() < 3 or (x == x[0]).all() or (y == y[0]).all():
         return 0.0
     if not name.endswith("_sine_phase"):
         return float(spearmanr(x, y).statistic)
@@ -163,11 +167,13 @@ class Results:
         return dict(sorted(found.items(), key=lambda item: -max(abs(item[1]["failure"]), item[1][EXPLAINED] ** 0.5)
                            - 1e-3 * abs(item[1].get(metric or "failure", 0.0))))
 
-    def worst(self, metric: str | None, count: int = 10) -> list[dict[str, Any]]:
-        """Rows: those that did not end first, by how early that was, then by `metric`, if there is one."""
+    def worst(self, metric: str | None, count: int = 10, least: bool = False) -> list[dict[str, Any]]:
+        """Rows: those that did not end first, by how early that was, then by `metric`, if there is one: the largest
+        first, or the `least`, those without a value last."""
         finished = np.array([s == "finished" for s in self.table["status"].to_pylist()])
         ended = np.where(finished, np.inf, np.nan_to_num(self.columns["departed_at_s"], nan=0.0))
-        by = self.columns["success"].astype(float) if metric is None else -np.nan_to_num(self.columns[metric])
+        by = self.columns["success"].astype(float) if metric is None else \
+            np.nan_to_num(self.columns[metric] * (1 if least else -1), nan=np.inf)
         order = np.lexsort((np.arange(self.judged), by, ended))
         return list(self.table.take(order[:count]).to_pylist())
 

@@ -13,7 +13,6 @@ from ..master.system import System, Value
 from ..systems.load import load_system
 from ..systems.words import experiment, with_fmus
 from ..yaml_file import Source
-from .dispersions import with_values
 from .spec import Finite, Name, Positive, Strict
 
 if TYPE_CHECKING:
@@ -134,6 +133,7 @@ class SystemSubject:
             source.fail(("system",), f"{asked.system} does not say when to stop: stop is missing")
         with source.at("stop" if base.stop else "system"):
             self.start, self.stop, self.step, remarks = experiment(found, asked.start, base.stop, base.step)
+        self.suggested = found.system.start  # s
         self.remarks: Sequence[str] = [*remarks, *found.remarks]
         self.algorithm = base.algorithm or found.algorithm or "gauss-seidel"
         self.tolerance = found.tolerance if asked.tolerance is None else asked.tolerance
@@ -145,7 +145,7 @@ class SystemSubject:
         self.wires: Mapping[str, Place] = self.places
         self.sets: Mapping[str, Mapping[str, Value]] = {v.name: v.set for v in variants}
         self.systems: Mapping[str, System] = {
-            v.name: with_values(self.exchanged(found.system, v, source), {**base.set, **v.set}) for v in variants}
+            v.name: self.exchanged(found.system, v, base.set, source) for v in variants}
         self.remark = f", algorithm {self.algorithm}"
         self.metrics: Mapping[str, Figure] = {}
         self.worst_by: str | None = None
@@ -158,12 +158,18 @@ class SystemSubject:
             "start": self.start, "stop": self.stop, "step": self.step, "algorithm": self.algorithm,
             "tolerance": self.tolerance}
 
-    def exchanged(self, system: System, variant: Variant, source: Source) -> System:
-        """`system` with the FMUs of a variant. Raises UsageError for a component or a file that is not there."""
+    def exchanged(self, system: System, variant: Variant, values: Mapping[str, Value], source: Source) -> System:
+        """`system` with the FMUs of a variant, with `values` and with those of the variant. Raises UsageError, with
+        line and field, for a component or a file that is not there."""
         for component, file in self.fmus(variant).items():
             with source.at(*self.places[variant.name], "fmus", component):
                 system = with_fmus(system, {component: file})
-        return with_fmus(system, {})
+        system = with_fmus(system, {})
+        for place, given in ((), values), (self.places[variant.name], variant.set):
+            for name, value in given.items():
+                with source.at(*place, "set", name):
+                    system = system.with_values({name: value})
+        return system
 
     def fmus(self, variant: Variant) -> dict[str, Path]:
         """Component -> the file that a variant has there."""
@@ -183,7 +189,7 @@ class SystemSubject:
         words = ["ahv", "simulate", str(self.path)]
         for component, file in self.fmus(self.variants[variant]).items():
             words += ["--fmu", f"{component}={file}"]
-        if self.start:
+        if self.start or self.start != self.suggested:
             words += ["--start", repr(self.start)]
         words += ["--step", repr(self.step), "--stop", repr(self.stop), "--algorithm", self.algorithm]
         return [*words, "--tolerance", repr(self.tolerance)] if self.tolerance is not None else words

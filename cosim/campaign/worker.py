@@ -28,7 +28,6 @@ from ..temporary import FULL
 from .code import CODE, differences
 from .criteria import courses as signals_of
 from .criteria import judged
-from .dispersions import with_values
 from .margin import of_flight
 from .plan import Job
 from .sampling import drawn, keeps_signals
@@ -52,7 +51,7 @@ class Request:
 class Outcome:
     """What a run showed: a row's numbers, errors over time at ENVELOPE_POINTS + 1 times at most, signals if wanted."""
     request: Request
-    status: str  # finished, departed (an FMU ended it), timed-out, error (did not start), crashed (with its worker)
+    status: str  # finished, departed (an FMU failed), timed-out, error (did not start), crashed (with its worker)
     message: str = ""
     ticks: int = 0
     departed_at_s: float | None = None
@@ -149,7 +148,7 @@ class LoadedSystems:
 
     def system(self, law: str, values: dict[str, Value]) -> System:
         """The system of a law with `values`, its FMUs in this worker's folder."""
-        system = with_values(self.job.systems[law], values)
+        system = self.job.systems[law].with_values(values)
         return replace(system, components=tuple(replace(c, fmu=self.folder / c.fmu) for c in system.components))
 
     def ready(self, law: str, values: dict[str, Value]) -> Master:

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from ..vehicle.registry import LAWS
-from .options import Flavour, Json, Open, Out, Plant, ScenarioWord, Step, Stop, opened, typed
+from .options import Columns, Figures, Flavour, Json, Open, Out, Plant, ScenarioWord, Step, Stop, opened, typed
 from .show import conclude, note, report_rows
 
 
@@ -21,6 +21,8 @@ def compare(
     runs: Annotated[list[str], typer.Option("--run", metavar="NAME:OPTIONS", help="A variant, as the options of ahv "
                     "run say it: \"mine:--preset robust --set controller.k_gamma=0.3\". Can be repeated; without "
                     "--controller, beside the neural law.")] = [],  # noqa: B006
+    figures: Figures = "png",
+    columns: Columns = 2,
     out: Out = None,
     open_: Open = False,
     as_json: Json = False,
@@ -30,11 +32,12 @@ def compare(
     The backstepping law is a reconstruction of the one that the paper compares with. It and the neural law's preset
     `robust` were tuned with the same cost and budget.
     """
+    from ..pictures import Format
     from ..vehicle.compare import compare as fly
     from ..vehicle.variants import variant
 
     summary, flights, notes, trouble = fly(scenario, controller, plant, flavour, step, stop, out,
-                                           list(map(variant, runs)), typed())
+                                           list(map(variant, runs)), typed(), Format(figures, columns))
     note([*notes, *(f"{law}: {warning}" for law, flight in flights.items() for warning in flight.warnings)])
     if as_json:
         print(json.dumps(summary))

@@ -59,3 +59,6 @@ Altitude = Annotated[float, typer.Option("--h", help="Altitude, ft.")]
 Open = Annotated[bool, typer.Option("--open", help="Open the page in the browser.")]
 Out = Annotated[Path | None, typer.Option(metavar="DIR", parser=place,
                                           help="Folder for the results; else below results/.")]
+Figures = Annotated[str, typer.Option("--figures", metavar="png|pdf|svg", help="Format of the figures.")]
+Columns = Annotated[int, typer.Option(metavar="1|2", help="Width of the figures in columns of a journal's page: 3.5 or "
+                                      "7.16 in.")]

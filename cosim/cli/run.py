@@ -6,8 +6,10 @@ import typer
 from ..vehicle.closed_loop import assignments, chosen_presets
 from .options import (
     Algorithm,
+    Columns,
     Controller,
     Decimate,
+    Figures,
     Flavour,
     Json,
     Open,
@@ -46,17 +48,20 @@ def run(
     set_: Set = [],  # noqa: B006  (typer wants a list)
     record: Record = [],  # noqa: B006
     decimate: Decimate = 1,
+    figures: Figures = "png",
+    columns: Columns = 2,
     out: Out = None,
     open_: Open = False,
     as_json: Json = False,
 ) -> None:
     """Fly a scenario and write signals, run.json, figures and report.html to results/run/SCENARIO."""
     from ..master.guard import POSSIBLE
+    from ..pictures import Format
     from ..vehicle.run import run as fly
 
     done = fly(scenario, controller, chosen_presets(preset), plant, flavour, step, stop, algorithm, assignments(set_),
                uncertainty, decimate, stream, isolate or POSSIBLE, time_limit, plain, real_time, out, progress=True,
-               record=record, command=typed())
+               record=record, command=typed(), form=Format(figures, columns))
     note([*done.notes, *done.flight.warnings])
     report(done.summary, as_json)
     opened(done.out / "report.html", open_)

@@ -4,7 +4,7 @@ from typing import Annotated
 
 import typer
 
-from .options import Decimate, Json, Open, Out, Record, Stream, TimeLimit, opened, place, typed
+from .options import Columns, Decimate, Json, Open, Out, Record, Stream, TimeLimit, opened, place, typed
 from .show import conclude, report
 
 ALGORITHM = ("gauss-seidel (the default, unless the file says another), jacobi, multi-rate, variable or iterated; for "
@@ -33,16 +33,21 @@ def simulate(
                                                  help="Go on from a state that --save wrote.")] = None,
     time_limit: TimeLimit = None,
     stream: Stream = False,
+    figures: Annotated[str | None, typer.Option("--figures", metavar="png|pdf|svg", help="Draw, as --plot does, in "
+                                                "this format.")] = None,
+    columns: Columns = 2,
     out: Out = None,
     open_: Open = False,
     as_json: Json = False,
 ) -> None:
     """Fly any FMU or system of FMUs; write signals, run.json and report.html to results/simulate/FILE."""
+    from ..pictures import Format
     from ..systems.simulate import simulate as fly
 
+    form, drawn = Format(figures or "png", columns), plot or figures is not None
     summary, flight, trouble = fly(file, step, stop, algorithm, out, time_limit, stream, start=start,
                                    tolerance=tolerance, values=set_, inputs=input_, record=record, decimate=decimate,
-                                   plot=plot, save=save, restore=restore, fmus=fmu, command=typed())
+                                   plot=drawn, save=save, restore=restore, fmus=fmu, command=typed(), form=form)
     report(summary, as_json)
     opened(Path(summary["out"], "report.html"), open_)
     conclude(flight.finished, [flight.message], trouble, flight.interrupted)

@@ -31,7 +31,8 @@ class Function:
     record      patterns of the signals that functions need, `*` for any; else all numeric outputs
     step, stop  s; else what the system's file suggests
     algorithm   as that of `cosim.fly`; else the file's, or gauss-seidel
-    lost        what all figures of a flight are that ends early; if it is None, that raises RunError
+    lost        what all figures of a flight are that an FMU does not let come to its end; if it is None, that raises
+                RunError. A flight that an FMU ends as FMI lets it has figures: those of what was flown
 
     Values are in the units that the FMUs declare. The system stays loaded from flight to flight, until `close` or the
     end of a `with`. Raises UsageError for what does not fit, RunError if an FMU cannot be started.

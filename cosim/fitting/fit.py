@@ -19,7 +19,7 @@ from ..systems.load import Loaded
 from ..systems.words import assigned, experiment
 from .certainty import CONFIDENCE, Certainty, certainty
 from .data import Known, Measured, noise_levels, owner, read_flight
-from .flown import Plan, Plans, flying, with_values
+from .flown import Plan, Plans, flying
 from .parameters import Parameter, check_apart, parameter
 from .search import Fly, Found, Problem, Rows, search, starts
 
@@ -194,8 +194,8 @@ def solved(request: Asked, fly: Fly, begin_at: int = 1, seed: int = 1, tell: Tel
     low, high = best.point - sure.half_widths, best.point + sure.half_widths
     labels = [p.name for p in request.parameters]
     intervals = {name: (float(a), float(b)) if isfinite(a) else None for name, a, b in zip(labels, low, high)}
-    systems = [with_values(plan.system, {p.target: float(x) for p, x in zip(request.parameters, best.point)
-                                         if p.flight in (None, k)}) for k, plan in enumerate(request.plans.flights)]
+    systems = [plan.system.with_values({p.target: float(x) for p, x in zip(request.parameters, best.point)
+                                        if p.flight in (None, k)}) for k, plan in enumerate(request.plans.flights)]
     lost = [f"{one.file}: {text}" for one, text, k in zip(request.measured, ended, range(len(ended)))
             if np.isnan(after[rows.flight == k]).any()]
     return Fit(dict(zip(labels, map(float, best.point))), intervals, systems, {**summary, "message": " ".join(lost)},

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from multiprocessing import get_context, parent_process
 
 import numpy as np
@@ -94,7 +94,7 @@ class Bench:
         place, values = trial
         plan, plans = self.plans.flights[place], self.plans
         try:
-            flight = fly_loaded(self.master(place, with_values(plan.system, values)), self.method, plans.step,
+            flight = fly_loaded(self.master(place, plan.system.with_values(values)), self.method, plans.step,
                                 plan.ticks, start=plans.start)
         except RunError as error:
             return nothing(plan, str(error))
@@ -112,13 +112,6 @@ class Bench:
         """Unload all systems."""
         for key in list(self.loaded):
             self.drop(key)
-
-
-def with_values(system: System, values: Mapping[str, float]) -> System:
-    """`system` with values by component.variable."""
-    return replace(system, components=tuple(
-        c.with_values({name.partition(".")[2]: x for name, x in values.items() if name.partition(".")[0] == c.name})
-        for c in system.components))
 
 
 def shown(flight: Flight, wanted: Mapping[str, np.ndarray], step: float) -> np.ndarray:

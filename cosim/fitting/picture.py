@@ -7,10 +7,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure  # without pyplot, which keeps every figure
 
+from ..pictures import MARKS, colour
 from ..text import without_math
 
-COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")  # Okabe and Ito
-MARKS = ("o", "s", "^", "D", "v", "P", "X")
 PANELS = 5   # signals in a picture
 LEGEND = 7   # flights that it names
 
@@ -46,7 +45,7 @@ def draw(folder: Path, panels: Sequence[Panel], flights: Sequence[str], title: s
         for axis in axes[-1]:
             axis.set_xlabel("time (s)")
         figure.suptitle(without_math(title), fontsize="medium")
-        handles = [left.plot([], [], MARKS[k % len(MARKS)], color=COLOURS[k % len(COLOURS)], markersize=4,
+        handles = [left.plot([], [], MARKS[k % len(MARKS)], color=colour(k), markersize=4,
                              linestyle="-")[0] for k in range(min(len(flights), LEGEND)) for left in [axes[0, 0]]]
         names = [without_math(name) for name in flights[:LEGEND]]
         if len(flights) > LEGEND:
@@ -60,10 +59,10 @@ def draw(folder: Path, panels: Sequence[Panel], flights: Sequence[str], title: s
 def signal(axis: Axes, panel: Panel) -> None:
     """Marks for what was measured, lines for what the fitted system shows."""
     for one in panel.courses:
-        colour = COLOURS[one.flight % len(COLOURS)]
-        axis.plot(one.time, panel.factor * one.measured + panel.offset, MARKS[one.flight % len(MARKS)], color=colour,
+        own = colour(one.flight)
+        axis.plot(one.time, panel.factor * one.measured + panel.offset, MARKS[one.flight % len(MARKS)], color=own,
                   markersize=2.5, alpha=0.5, markeredgewidth=0)
-        axis.plot(one.time, panel.factor * one.after + panel.offset, color=colour, linewidth=1.4)
+        axis.plot(one.time, panel.factor * one.after + panel.offset, color=own, linewidth=1.4)
     axis.set_ylabel(without_math(f"{panel.name}\n({panel.unit})" if panel.unit else panel.name), fontsize="small")
     axis.grid(True, alpha=0.3)
     axis.ticklabel_format(axis="y", useOffset=False)
@@ -76,7 +75,7 @@ def residuals(axis: Axes, panel: Panel) -> None:
     axis.axhline(0.0, color="0.5", linewidth=0.8)
     for one in panel.courses:
         axis.plot(one.time, panel.factor * (one.measured - one.after), MARKS[one.flight % len(MARKS)],
-                  color=COLOURS[one.flight % len(COLOURS)], markersize=2.5, alpha=0.6, markeredgewidth=0)
+                  color=colour(one.flight), markersize=2.5, alpha=0.6, markeredgewidth=0)
     unit = f" ({panel.unit})" if panel.unit else ""
     axis.set_ylabel(without_math(f"measured - fitted{unit}"), fontsize="small")
     axis.set_title(without_math(f"noise level {size:.3g} {panel.unit}".rstrip()) + ", band: two of it",

@@ -21,18 +21,16 @@ class Condition:
 
     @classmethod
     def held(cls, course: Course) -> "Condition":
-        """Of a truth value, or of a number that is not 0: a row shows what held in the step that ended there."""
-        holds = course.values != 0
+        """Of a truth value, or of a number that is not 0: a row shows what held in the step that ended there. Raises
+        ArithmeticError where it is not finite."""
+        holds = finite(course).values != 0
         return cls(course.time, holds, holds[1:])
 
     @classmethod
     def crossed(cls, difference: Course, compare: Truths) -> "Condition":
         """Where `compare(difference, 0)` holds. Between two rows the difference runs straight, so that it is known when
         it crosses 0. Raises ArithmeticError where it is not finite."""
-        time, values = difference.time, difference.values
-        if not np.isfinite(values).all():
-            first = time[np.flatnonzero(~np.isfinite(values))[0]]
-            raise ArithmeticError(f"what is compared is not a finite number at t = {first:.6g} s")
+        time, values = difference.time, finite(difference).values
         signs = np.sign(values)
         at = np.flatnonzero(signs[1:] * signs[:-1] < 0)
         if len(at):
@@ -56,6 +54,13 @@ class Condition:
         """Time (s) from the first row until it holds; infinite if it never does."""
         found = [self.time[np.argmax(holds)] for holds in (self.points, self.between) if holds.any()]
         return float(min(found) - self.time[0]) if found else np.inf
+
+
+def finite(course: Course) -> Course:
+    """The course itself. Raises ArithmeticError where it is not finite."""
+    if not (known := np.isfinite(course.values)).all():
+        raise ArithmeticError(f"what is compared is not a finite number at t = {course.time[np.argmin(known)]:.6g} s")
+    return course
 
 
 def combined(function: Truths, *parts: Condition) -> Condition:

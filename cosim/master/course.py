@@ -60,15 +60,18 @@ class Course:
         return self.time_on() / span if span > 0 else float(self.values[0] != 0)
 
     def settling(self, target: float, band: float) -> float | None:
-        """Time (s) from the first row until the values stay within `band` of `target`; None if they do not."""
+        """Time (s) from the first row until the values stay within `band` of `target`; None if they do not, NaN if one
+        of them is no number."""
         away = np.abs(self.values - target)
+        if np.isnan(away).any():
+            return np.nan
         outside = np.flatnonzero(away > band)
         if not len(outside):
             return 0.0
         last = int(outside[-1])
         if last == len(away) - 1:
             return None
-        share = (away[last] - band) / abs(self.values[last + 1] - self.values[last])
+        share = (away[last] - band) / abs(self.values[last + 1] - self.values[last]) if away[last] < np.inf else 1.0
         return float(self.time[last] + share * (self.time[last + 1] - self.time[last]) - self.time[0])
 
     def at(self, times: np.ndarray | float) -> np.ndarray:

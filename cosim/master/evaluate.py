@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from .condition import Condition, combined
+from .condition import Condition, combined, finite
 from .course import Course
 
 # What an expression, or a part of one, can be.
@@ -43,7 +43,7 @@ class Figure:
 
 
 def least(*arrays: Any) -> np.ndarray:
-    """The least value at each time."""
+    """The least value at each time; NaN where one is NaN, which Python's min would hide."""
     return reduce(np.minimum, arrays)
 
 
@@ -66,15 +66,14 @@ COMPARE: dict[type, Callable[..., Any]] = {
 SIGN: dict[type, Callable[[Any], Any]] = {ast.USub: operator.neg, ast.UAdd: operator.pos}
 FUNCTIONS = {"abs": Function("one number", range(1, 2), abs, np.abs),
              "degrees": Function("one number", range(1, 2), math.degrees, np.degrees),
-             "min": Function("two numbers or more", range(2, 1000), min, least),
-             "max": Function("two numbers or more", range(2, 1000), max, most)}
+             "min": Function("two numbers or more", range(2, 1000), lambda *numbers: float(least(*numbers)), least),
+             "max": Function("two numbers or more", range(2, 1000), lambda *numbers: float(most(*numbers)), most)}
 FIGURES = {**{name: Figure("a signal", (SIGNAL,), getattr(Course, name))
               for name in ("min", "max", "final", "mean", "rms", "integral", "max_abs", "travel")},
            "time_above": Figure("a signal and a level", (SIGNAL, NUMBER), time_above),
            "settling": Figure("a signal, a target and a band", (SIGNAL, NUMBER, NUMBER), Course.settling),
            "time_on": Figure("a condition", (CONDITION,), Condition.time_on),
            "first": Figure("a condition", (CONDITION,), Condition.first)}
-NAMES = sorted({*FUNCTIONS, *FIGURES})
 
 
 def word(node: ast.AST) -> str | None:
@@ -168,5 +167,6 @@ def compared(compare: Callable[..., Any], a: Any, b: Any) -> bool | Condition:
     if not isinstance(a, Course) and not isinstance(b, Course):
         return bool(compare(a, b))
     if compare in EQUAL.values():
+        a, b = (finite(side) if isinstance(side, Course) else side for side in (a, b))
         return Condition.held(at_each_time(compare, compare, a, b))
     return Condition.crossed(at_each_time(operator.sub, np.subtract, a, b), compare)

@@ -75,15 +75,15 @@ class Expression:
 
 def values(expressions: Mapping[str, Expression], course: Courses, metrics: Mapping[str, float | None]
            ) -> dict[str, float]:
-    """The numbers that expressions are worth, without those that have no value; each may name `metrics` and those
-    before it. Signals are asked for once."""
-    known, found = dict(metrics), {}
+    """The numbers that expressions are worth, without those that have no value or are NaN; each may name `metrics` and
+    those before it. Signals are asked for once."""
+    known = dict(metrics)
     course = lru_cache(None)(course)
     for name, expression in expressions.items():
         known[name] = None
         with suppress(ValueError):
-            known[name] = found[name] = float(expression.value(course, known))
-    return found
+            known[name] = float(expression.value(course, known))
+    return {name: number for name in expressions if (number := known[name]) is not None and defined(number)}
 
 
 def defined(number: float | None) -> bool:

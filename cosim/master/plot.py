@@ -7,7 +7,10 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from matplotlib.figure import Figure  # without pyplot, which keeps every figure
 
+from .. import pictures
 from ..errors import UsageError
+from ..pictures import PNG, Format
+from ..text import without_math
 from .course import terms
 
 if TYPE_CHECKING:
@@ -59,25 +62,16 @@ def plot(flight: "Flight", names: Sequence[str]) -> Figure:
     return drawn(flight, [(unit, curves) for (unit, _), curves in panels.items()])
 
 
-def drawn(flight: "Flight", panels: Sequence[tuple[str, list[Curve]]]) -> Figure:
-    """A figure with these panels above each other: the unit and the curves of each."""
-    figure = Picture(figsize=(8, 1 + 2.2 * len(panels)), layout="constrained")
-    axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
-    for axis, (unit, curves) in zip(axes, panels):
-        for one in curves:
-            axis.plot(one.time, one.values, label=one.label, linewidth=1.2)
-        axis.set_ylabel(unit, parse_math=False)
-        for text in axis.legend(loc="best", fontsize="small").get_texts():
-            text.set_parse_math(False)  # names may have dollar signs
-        axis.grid(True, alpha=0.3)
-        axis.ticklabel_format(axis="y", useOffset=False)
-    axes[-1].set_xlabel("time (s)")
-    if flight.message:
-        axes[0].set_title(f"ended at {flight.reached:.6g} s", fontsize="medium")
-    return figure
+def drawn(flight: "Flight", panels: Sequence[tuple[str, list[Curve]]], columns: int = 2) -> Figure:
+    """A figure with these panels above each other: the unit and the curves of each. Equal curves are one."""
+    shown = [pictures.Panel(without_math(unit), pictures.merged(
+        [pictures.Curve(without_math(one.label), one.time, one.values) for one in curves]), 1.6)
+        for unit, curves in panels]
+    ended = f"ended at {flight.reached:.6g} s" if flight.message else ""
+    return pictures.over_time(shown, ended, columns, kind=Picture)
 
 
-def draw_all(flight: "Flight", folder: Path) -> list[Path]:
+def draw_all(flight: "Flight", folder: Path, form: Format = PNG) -> list[Path]:
     """Draw all signals into `folder`, which is made: signals that share a unit in one panel, at most CURVES in a panel
     and PANELS in a picture; the pictures' paths. A flight without signals has none.
 
@@ -91,7 +85,6 @@ def draw_all(flight: "Flight", folder: Path) -> list[Path]:
     folder.mkdir(exist_ok=True)
     written = []
     for i in range(0, len(panels), PANELS):
-        path = folder / f"signals{f'_{i // PANELS + 1}' if len(panels) > PANELS else ''}.png"
-        drawn(flight, panels[i:i + PANELS]).savefig(path, dpi=110, pil_kwargs={"compress_level": 1})
-        written.append(path)
+        stem = f"signals{f'_{i // PANELS + 1}' if len(panels) > PANELS else ''}"
+        written.append(pictures.save(drawn(flight, panels[i:i + PANELS], form.columns), folder / stem, form))
     return written

@@ -17,6 +17,7 @@ from ..master.results import write
 from ..master.state import State, read_state
 from ..master.table import read_table
 from ..names import safe
+from ..pictures import PNG, Format
 from .load import load_system
 from .words import assigned, experiment, files, patterns, with_fmus
 
@@ -27,16 +28,17 @@ def simulate(path: Path, step: float | None, stop: float | None, algorithm: str 
              time_limit: float | None = None, stream: bool = False, *, start: float | None = None,
              tolerance: float | None = None, values: Sequence[str] = (), inputs: Path | None = None,
              record: Sequence[str] | None = None, decimate: int = 1, plot: bool = False, save: Path | None = None,
-             restore: Path | None = None, fmus: Sequence[str] = (), command: str = ""
+             restore: Path | None = None, fmus: Sequence[str] = (), command: str = "", form: Format = PNG
              ) -> tuple[dict[str, Any], Flight, str]:
     """Fly the system in `path`, see `load_system`; the summary, the flight, and which results did not find room (empty
     if all did). They go to `out`, else to results/simulate/FILE.
 
     What is None is what the file suggests. Times are in s. `values` are COMPONENT.VARIABLE=VALUE words, `record`
     patterns of COMPONENT.VARIABLE; of one FMU, its variables will do in both. `inputs` is a table of inputs over time,
-    `plot` draws what is recorded. `fmus` are COMPONENT=FILE.fmu words, other FMUs for these places. `save` is a file
-    for the state at the end, `restore` such a file to go on from. An FMU call that takes longer than `time_limit` ends
-    the flight; `stream` writes rows to the disk as it flies. `command` is what the page says that it was made by.
+    `plot` draws what is recorded, as `form` says. `fmus` are COMPONENT=FILE.fmu words, other FMUs for these places.
+    `save` is a file for the state at the end, `restore` such a file to go on from. An FMU call that takes longer than
+    `time_limit` ends the flight; `stream` writes rows to the disk as it flies. `command` is what the page says that it
+    was made by.
 
     Raises UsageError for a file or numbers that do not fit, RunError if the FMUs cannot be started.
     """
@@ -63,7 +65,7 @@ def simulate(path: Path, step: float | None, stop: float | None, algorithm: str 
             bar, progress = progress_bar(found.name, end)
             with bar:  # FMUs of unknown origin may crash
                 flight = fly_isolated(system, size, end, word, progress, time_limit, rows, **options)
-            summary, trouble = kept(folder, flight, said, sources, rows, plot, command)
+            summary, trouble = kept(folder, flight, said, sources, rows, plot, command, form)
     flight.interrupted = interrupted[0] if interrupted else flight.interrupted
     for warning in flight.warnings:
         note(warning)
@@ -88,7 +90,7 @@ def savable(path: Path) -> Path:
 
 
 def kept(folder: Path, flight: Flight, said: dict[str, Any], files: dict[str, str], rows: Path | None,
-         plot: bool = False, command: str = "") -> tuple[dict[str, Any], str]:
+         plot: bool = False, command: str = "", form: Format = PNG) -> tuple[dict[str, Any], str]:
     """The summary of a flight whose results are written to a claimed folder, and which of them did not find room.
 
     `said` is what run.json says of the request, `files` each component's FMU, `rows` the file of a stream's rows.
@@ -100,15 +102,15 @@ def kept(folder: Path, flight: Flight, said: dict[str, Any], files: dict[str, st
                "departed_at_s": None if flight.finished else flight.reached, "ended_at_s": flight.ended_at,
                "real_time_factor": flown / flight.wall_s if flight.wall_s else None}
     published = write(folder, "simulate", flight, summary, extras=[
-        *([partial(draw, flight)] if plot else []), partial(write_page, flight, summary, command)], rows=rows)
+        *([partial(draw, flight, form)] if plot else []), partial(write_page, flight, summary, command)], rows=rows)
     return {**summary, "out": str(published.folder)}, published.trouble
 
 
-def draw(flight: Flight, folder: Path) -> None:
+def draw(flight: Flight, form: Format, folder: Path) -> None:
     """Pictures of all that is recorded into `folder`."""
     from ..master.plot import draw_all  # matplotlib is slow to import
 
-    draw_all(flight, folder / "figures")
+    draw_all(flight, folder / "figures", form)
 
 
 def write_page(flight: Flight, summary: dict[str, Any], command: str, folder: Path) -> None:

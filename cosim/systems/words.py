@@ -10,7 +10,6 @@ from ..master.system import Component, System, Value
 from .load import POINTS, Loaded
 
 DEFAULT_STEP = 0.01  # s, as that of `ahv run`
-Values = dict[str, dict[str, Value]]  # component -> variable -> value
 
 
 def assigned(words: Iterable[str], found: Loaded) -> System:
@@ -18,7 +17,8 @@ def assigned(words: Iterable[str], found: Loaded) -> System:
 
     Raises UsageError for a word of another form or an unknown component.
     """
-    values: Values = {}
+    values: dict[str, Value] = {}
+    known = [c.name for c in found.system.components]
     for word in words:
         target, equals, value = word.partition("=")
         component, dot, variable = target.partition(".")
@@ -27,8 +27,10 @@ def assigned(words: Iterable[str], found: Loaded) -> System:
         if not (equals and dot and variable):
             form = "VARIABLE=VALUE" if found.alone else "COMPONENT.VARIABLE=VALUE"
             raise UsageError(f"--set {word} is not of the form {form}.")
-        values.setdefault(component, {})[variable] = value
-    return with_values(found.system, values)
+        if component not in known:
+            raise UsageError(f"--set {component}: there is no such component{did_you_mean(component, known)}")
+        values[f"{component}.{variable}"] = value
+    return found.system.with_values(values)
 
 
 def files(words: Iterable[str]) -> dict[str, Path]:
@@ -52,16 +54,6 @@ def with_fmus(system: System, fmus: Mapping[str, Path]) -> System:
             raise UsageError(f"There is no file {file}.")
     return System([Component(c.name, fmus.get(c.name, c.fmu), c.values) for c in system.components],
                   system.connections, system.step, system.stop, system.start)
-
-
-def with_values(system: System, values: Values) -> System:
-    """`system` with `values`. Raises UsageError for an unknown component."""
-    known = [c.name for c in system.components]
-    for name in values:
-        if name not in known:
-            raise UsageError(f"--set {name}: there is no such component{did_you_mean(name, known)}")
-    return System([c.with_values(values.get(c.name, {})) for c in system.components], system.connections, system.step,
-                  system.stop, system.start)
 
 
 def patterns(words: Iterable[str], found: Loaded) -> list[str]:

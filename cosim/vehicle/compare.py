@@ -8,12 +8,10 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-import matplotlib
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.figure import Figure
 
+from .. import pictures
 from ..errors import UsageError
 from ..master.course import Course
 from ..master.flight import Flight
@@ -24,39 +22,42 @@ from ..master.isolated import launch
 from ..master.publish import publish
 from ..master.system import System
 from ..names import safe
+from ..pictures import COMMAND, PNG, REFERENCE, Curve, Format
 from ..text import without_math
 from . import burden, scenarios
 from .closed_loop import ClosedLoop, closed_loop, flavour_of
-from .figures import Panel, available
+from .figures import PLAIN, Panel, available
 from .limits import explained
 from .metrics import HEADLINES, METRICS, metrics
 from .registry import LAWS
 from .run import said_of, shown_by
 from .scenarios import Scenario
-from .signals import course, source
+from .signals import course, known, source
 from .variants import Variant
 
 BASE = "neural"  # the law that variants are flown beside
 SETTLED = 0.02  # of a command's step
 
-# figure's name, title, panels; a curve's style is taken from the flight. References are drawn once, dashed.
+# figure's name, title, panels. Curves with a line of their own are drawn once, the others for each flight.
 PICTURES: list[tuple[str, str, tuple[Panel, ...]]] = [
     ("velocity", "Velocity tracking", (
-        Panel("V (ft/s)", (("reference", "controller.V_reference", "k--"), ("", "plant.V", ""))),
-        Panel("V error (ft/s)", (("", "plant.V - controller.V_reference", ""),)))),
+        Panel("V (ft/s)", (("reference", "controller.V_reference", REFERENCE), ("", "plant.V", PLAIN)),
+              also=(("command", "scenario.V_command", COMMAND),)),
+        Panel("V error (ft/s)", (("", "plant.V - controller.V_reference", PLAIN),)))),
     ("altitude", "Altitude tracking", (
-        Panel("h (ft)", (("reference", "controller.h_reference", "k--"), ("", "plant.h", ""))),
-        Panel("h error (ft)", (("", "plant.h - controller.h_reference", ""),)))),
+        Panel("h (ft)", (("reference", "controller.h_reference", REFERENCE), ("", "plant.h", PLAIN)),
+              also=(("command", "scenario.h_command", COMMAND),)),
+        Panel("h error (ft)", (("", "plant.h - controller.h_reference", PLAIN),)))),
     ("attitude", "Attitude angles", (
-        Panel("γ (deg)", (("", "plant.gamma", ""),), True),
-        Panel("θ (deg)", (("", "plant.theta", ""),), True),
-        Panel("Q (deg/s)", (("", "plant.Q", ""),), True))),
+        Panel("γ (deg)", (("", "plant.gamma", PLAIN),), True),
+        Panel("θ (deg)", (("", "plant.theta", PLAIN),), True),
+        Panel("Q (deg/s)", (("", "plant.Q", PLAIN),), True))),
     ("inputs", "Control inputs", (
-        Panel("fuel ratio Φ", (("", "controller.fuel_ratio", ""),)),
-        Panel("elevator $δ_e$ (deg)", (("", "controller.elevator", ""),), True))),
+        Panel("fuel ratio Φ (1)", (("", "controller.fuel_ratio", PLAIN),)),
+        Panel("elevator $δ_e$ (deg)", (("", "controller.elevator", PLAIN),), True))),
     ("flexible", "Flexible states", (
-        Panel("$η_1$ (ft slug$^{1/2}$/ft$^{1/2}$)", (("", "plant.eta1", ""),)),
-        Panel("$η_2$ (ft slug$^{1/2}$/ft$^{1/2}$)", (("", "plant.eta2", ""),)))),
+        Panel("$η_1$ (slug$^{1/2}$ ft$^{1/2}$)", (("", "plant.eta1", PLAIN),)),
+        Panel("$η_2$ (slug$^{1/2}$ ft$^{1/2}$)", (("", "plant.eta2", PLAIN),)))),
 ]
 
 
@@ -70,7 +71,7 @@ def settling(time: np.ndarray, command: np.ndarray, found: np.ndarray) -> float 
         if height < 1e-6 or end - begin < 2:
             continue
         took = Course(time[begin:end], found[begin:end]).settling(float(command[begin]), SETTLED * height)
-        if took is None:
+        if took is None or np.isnan(took):
             return None
         worst = max(worst or 0.0, took)
     return worst
@@ -134,7 +135,7 @@ def shown(column: str) -> str:
 
 def compare(scenario: str | Scenario, controllers: list[str] | None = None, plant: str = "ideal",
             flavour: str | None = None, step: float = 0.01, stop: float | None = None, out: Path | None = None,
-            runs: Sequence[Variant] = (), command: str = ""
+            runs: Sequence[Variant] = (), command: str = "", form: Format = PNG
             ) -> tuple[dict[str, Any], dict[str, Flight], list[str], str]:
     """Fly `controllers` (words of the registry or anybody's FMUs as NAME=FILE.fmu; none: all of ours) on one scenario.
 
@@ -142,8 +143,8 @@ def compare(scenario: str | Scenario, controllers: list[str] | None = None, plan
     what the page says that it was made by.
 
     Returns the summary as compare.json has it, the flights by column, notes, and which results did not find room (empty
-    if all did). Writes compare.json, figures, a page, and the signals of each run to `out`, else to
-    results/compare/SCENARIO. Raises what `run` raises.
+    if all did). Writes compare.json, figures as `form` says, a page, and the signals of each run to `out`, else
+    to results/compare/SCENARIO. Raises what `run` raises.
     """
     plan = scenarios.load(scenario) if isinstance(scenario, str) else scenario
     flavour = flavour_of(flavour)
@@ -167,7 +168,7 @@ def compare(scenario: str | Scenario, controllers: list[str] | None = None, plan
         records = {column: {**said_of(plan, loop, "gauss-seidel", step, end), **shown_by(flights[column])}
                    for column, loop in loops.items()}
         published = publish(folder, "compare", summary, lambda place: None,
-                            [lambda place: write(place, flights, plan.name),
+                            [lambda place: write(place, flights, plan.name, form),
                              lambda place: write_page(place, summary, flights, command, notes),
                              lambda place: write_runs(place, flights, records)])
     return {**summary, "out": str(published.folder)}, flights, notes, published.trouble
@@ -211,38 +212,31 @@ def verdict(table: dict[str, dict[str, Any]]) -> str:
     return "; ".join(sentences) + undecided + "."
 
 
-def draw(flights: dict[str, Flight], title: str, panels: tuple[Panel, ...]) -> Any:
-    """One figure: a panel for each quantity, a curve for each flight."""
-    figure, axes = plt.subplots(len(panels), 1, sharex=True, figsize=(8, 2.2 * len(panels) + 1), squeeze=False)
-    for axis, panel in zip(axes[:, 0], panels):
-        for name, expression, style in panel.curves:
-            for i, (law, flight) in enumerate(flights.items()):
-                found = course(flight, expression)
-                t, y = found.time, np.degrees(found.values) if panel.degrees else found.values
-                if style and i == 0:
-                    axis.plot(t, y, style, label=name, linewidth=1.0, zorder=3)
-                elif not style:
-                    axis.plot(t, y, f"C{i}", label=without_math(shown(law)), linewidth=1.1, alpha=0.9)
-        axis.set_ylabel(panel.ylabel)
-        axis.grid(True, alpha=0.3)
-        axis.ticklabel_format(axis="y", useOffset=False)
-    axes[0, 0].legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncol=4, fontsize="small", frameon=False)
-    axes[-1, 0].set_xlabel("time (s)")
-    axes[-1, 0].set_xlim(0, max(max(f.time[-1] for f in flights.values()), 1e-9))
-    figure.suptitle(without_math(title))
-    figure.align_ylabels()
-    figure.tight_layout()
-    return figure
+def draw(flights: dict[str, Flight], title: str, panels: tuple[Panel, ...], columns: int = 2) -> Figure:
+    """One figure: a panel for each quantity, a curve for each flight; and where they differ most, drawn larger."""
+    found = [panel_of(flights, panel) for panel in panels]
+    return pictures.over_time(found, without_math(title), columns, pictures.where_they_differ(found))
 
 
-def write(folder: Path, flights: dict[str, Flight], name: str) -> None:
+def panel_of(flights: dict[str, Flight], panel: Panel) -> pictures.Panel:
+    """The panel with the values of all flights."""
+    curves = []
+    for name, expression, line in (*panel.curves, *panel.also):
+        for law, flight in flights.items():
+            if known(flight, expression):
+                one = course(flight, expression)
+                values = np.degrees(one.values) if panel.degrees else one.values
+                curves.append(Curve(name if line else without_math(shown(law)), one.time, values, line))
+            if line:
+                break
+    return pictures.Panel(panel.ylabel, curves)
+
+
+def write(folder: Path, flights: dict[str, Flight], name: str, form: Format = PNG) -> None:
     """Every picture into `folder`, a file for each."""
     for key, title, panels in PICTURES:
-        if not all(available(flight, panels) for flight in flights.values()):
-            continue
-        figure = draw(flights, f"{name}: {title}", panels)
-        figure.savefig(folder / f"compare_{key}.png", dpi=110)
-        plt.close(figure)
+        if all(available(flight, panels) for flight in flights.values()):
+            pictures.save(draw(flights, f"{name}: {title}", panels, form.columns), folder / f"compare_{key}", form)
 
 
 def write_page(folder: Path, summary: dict[str, Any], flights: dict[str, Flight], command: str, notes: list[str]

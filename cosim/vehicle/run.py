@@ -12,6 +12,7 @@ from ..master.isolated import launch
 from ..master.progress import progress_bar
 from ..master.recover import asked
 from ..master.recover import recover as recover_rows
+from ..pictures import PNG, Format
 from . import scenarios
 from .closed_loop import ClosedLoop, Values, closed_loop
 from .limits import explained
@@ -34,15 +35,15 @@ def run(scenario: str | Scenario, controller: str = "neural", preset: Mapping[st
         algorithm: str = "gauss-seidel", values: Values | None = None, uncertainty: float | None = None,
         decimate: int = 1, stream: bool = False, isolate: bool = False, time_limit: float | None = None,
         plain: bool = False, real_time: float | None = None, out: Path | None = None, progress: bool = False,
-        record: Sequence[str] = (), command: str = "") -> Run:
+        record: Sequence[str] = (), command: str = "", form: Format = PNG) -> Run:
     """Fly `scenario` (a built-in name, a YAML file or a Scenario) and write signals, run.json, figures
     and a page.
 
     `controller` and `plant` are words of the registry or anybody's FMUs (NAME=FILE.fmu); `preset` is the controller's,
     or component -> name. `values` are set last: component -> variable -> value. `step`, `stop` are in s. The results
     go to `out`, else to results/run/SCENARIO. `record` picks the signals, as patterns of component.variable (none: all
-    outputs); metrics and figures whose signals are left out are left out, too. `command` is
-    what the page says that it was made by. Other arguments are those of `master.fly.fly`.
+    outputs); metrics and figures whose signals are left out are left out, too. `command` is what the page says that it
+    was made by, `form` says how figures are written. Other arguments are those of `master.fly.fly`.
 
     Raises UsageError for what cannot be flown, RunError if an FMU does not start. A flight that ends early is a
     result: `flight.finished` is False and `flight.message` says why. After a signal there are no figures and
@@ -66,7 +67,7 @@ def run(scenario: str | Scenario, controller: str = "neural", preset: Mapping[st
                                       isolated, time_limit, plain=plain, real_time=real_time, meanwhile=import_writers,
                                       **options))
         notes = [*loop.notes, *part_of_the_rows(flight, stream)]
-        done = kept(folder, flight, said, notes, decimate, rows, command, drawing)
+        done = kept(folder, flight, said, notes, decimate, rows, command, drawing, form)
     flight.interrupted = interrupted[0] if interrupted else flight.interrupted
     return done
 
@@ -82,7 +83,7 @@ def recover(left: Path, out: Path | None = None, command: str = "") -> Run:
 
 
 def kept(folder: Path, flight: Flight, said: dict[str, Any], notes: list[str], decimate: int = 1,
-         rows: Path | None = None, command: str = "", drawing: Aside | None = None) -> Run:
+         rows: Path | None = None, command: str = "", drawing: Aside | None = None, form: Format = PNG) -> Run:
     """The flight with its figures of merit, in a claimed folder; `said` is what run.json says of the request, `rows`
     the file of a stream's rows, `command` what the page says."""
     from ..master.results import write
@@ -92,7 +93,7 @@ def kept(folder: Path, flight: Flight, said: dict[str, Any], notes: list[str], d
     summary = {**said, **shown_by(flight), **({"lateness": flight.lateness} if flight.lateness else {})}
     preset = f" ({said['preset']})" if said["preset"] else ""
     title = f"{said['scenario']}, {said['controller']}{preset}"
-    drawn = (drawing or Aside(WORKS)).start(flight, title, first_figure, summary, command, notes)
+    drawn = (drawing or Aside(WORKS)).start(flight, title, first_figure, summary, command, notes, form)
     published = write(folder, "run", flight, {**summary, "presets": presets}, decimate,
                       [drawn], rows)
     return Run(flight, {**summary, "out": str(published.folder)}, published.folder, notes, published.trouble)
@@ -137,16 +138,16 @@ def import_writers() -> None:
     from ..master import results  # noqa: F401
 
 
-def draw(folder: Path, flight: Flight, title: str, first_figure: int | None, *_: Any, share: slice = slice(None)
+def draw(folder: Path, flight: Flight, title: str, first_figure: int | None, *rest: Any, share: slice = slice(None)
          ) -> None:
-    """The scenario's figures, or a share of them, into `folder`. Raises OSError."""
+    """The scenario's figures, or a share of them, into `folder`; the last argument is their Format. Raises OSError."""
     from .figures import write  # matplotlib is slow to import
 
-    write(folder, flight, title, first_figure, share)
+    write(folder, flight, title, first_figure, share, rest[-1])
 
 
 def write_page(folder: Path, flight: Flight, title: str, _: int | None, summary: dict[str, Any], command: str,
-               notes: list[str]) -> None:
+               notes: list[str], _form: Format) -> None:
     """The flight's page into `folder`. Raises OSError."""
     from ..pages.write import REPORT, page
     from .look import PANELS, looked_at

@@ -8,6 +8,7 @@ from campaigns import fly_here, load
 
 from cosim.campaign.dispersions import all_draws, all_mixings, opened, run_count, with_measured
 from cosim.campaign.plan import read
+from cosim.campaign.report import introduction
 from cosim.campaign.resume import prepare
 from cosim.campaign.store import Store
 from cosim.campaign.sweep import sweep
@@ -76,6 +77,13 @@ def test_rows_fly_as_they_stand_in_the_file_beside_what_is_drawn(tmp_path):
     assert len({r["altitude_error_ft.rms"] for r in rows}) == 3
 
 
+def test_the_report_names_the_samples_and_a_seed_only_of_what_is_drawn(tmp_path):
+    assert ", samples draws.csv, flavour native" in introduction(load(own(tmp_path)))
+    disp = {"plant.CM_alpha": {"distribution": "uniform", "low": 0.9, "high": 1.1, "relative": True}}
+    both = introduction(load(own(tmp_path, dispersions=disp, seed=3)))
+    assert ", samples draws.csv, seed 3, sampling random, flavour native" in both
+
+
 def test_another_file_is_another_campaign(tmp_path):
     first, path = load(own(tmp_path)), tmp_path / "draws.csv"
     assert set(json.loads(first.described)["files"]) == {"draws.csv"}
@@ -105,6 +113,7 @@ WRONG_ROWS = {
     "an output": (ROWS.replace("plant.mass", "plant.V"), "row 1: plant.V is an output and cannot be set"),
     "a value outside the limits": (ROWS.replace("310,", "-310,"), "draws.csv: column plant.mass, row 3: plant.mass = "
                                                                   "-310.0 is not allowed: it must be between 0.3"),
+    "a number of Python's": (ROWS.replace("310,", "3_10,"), "plant.mass in row 3 is 3_10; it must be a finite number"),
     "a value that is missing": (ROWS.replace("310,", ","), "plant.mass in row 3 is empty; it must be a finite number"),
     "no number": (ROWS.replace("310,", "heavy,"), "plant.mass in row 3 is heavy; it must be a finite number"),
     "a column twice": (ROWS.replace("controller.k_gamma", "plant.mass"), "has two columns called plant.mass"),

@@ -115,6 +115,18 @@ def test_the_command_of_a_run_repeats_it_to_the_last_bit(campaign, built, tmp_pa
         assert [one[name] for one in mine] == again[name]
 
 
+def test_the_command_begins_where_the_campaign_does_though_its_file_begins_later(built, tmp_path):
+    from cosim.campaign.rerun import command
+
+    late = yaml.safe_load((TANK / "tank.yaml").read_text())
+    late["experiment"]["start"] = 1.0
+    (built / "late.yaml").write_text(yaml.dump(late, sort_keys=False))
+    plan = load(changed(built, "early.yaml", system="late.yaml", start=0, stop=2, runs=2))
+    row = {**dict.fromkeys((d.name for d in plan.draws["calm"]), 1.0), "variant": "calm", "run": 0}
+    words = shlex.split(command(plan, row))
+    assert words[words.index("--start") + 1] == "0.0"
+
+
 def test_the_report_speaks_of_variants_and_draws_what_the_file_asks_for(campaign):
     _, _, store, folder = campaign
     summary = write(store)

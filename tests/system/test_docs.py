@@ -105,7 +105,7 @@ def test_the_campaign_of_the_page_is_one_also_with_its_own_metrics(tmp_path):
     assert list(load(path).campaign.metrics) == ["worst", "late", "share"]
 
 
-@pytest.mark.parametrize("script", ["draw_blocks", "draw_vehicle"])
+@pytest.mark.parametrize("script", ["draw_blocks", "draw_vehicle", "draw_stepping", "draw_campaign"])
 def test_pictures_can_be_drawn_again(script, tmp_path):
     subprocess.run([sys.executable, ROOT / "docs" / f"{script}.py", tmp_path], check=True)
     drawn = sorted(path.name for path in tmp_path.iterdir())

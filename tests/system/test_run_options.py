@@ -5,6 +5,7 @@ import pytest
 from test_cases import ahv
 
 from cosim.errors import UsageError
+from cosim.pictures import Format
 from cosim.vehicle import scenarios
 from cosim.vehicle.closed_loop import assignments, closed_loop
 from cosim.vehicle.linearize import linearize
@@ -132,3 +133,16 @@ def test_limits_are_no_matter_for_a_controller_that_has_none(native_fmus):
     with pytest.raises(UsageError, match=r"AhvScenario\.fmu\) has no output fuel_ratio, which the closed loop needs"):
         closed_loop(scenarios.load("hold"), f"mine={native_fmus['AhvScenario']}",
                     values=assignments(["controller.elevator_min=1deg"]))
+
+
+def test_figures_are_written_in_the_format_that_is_asked_for(tmp_path):
+    run("case1", stop=0.1, out=tmp_path / "out", form=Format("svg", 1))
+    found = {path.name for path in (tmp_path / "out" / "figures").iterdir()}
+    assert {"figure_02_velocity.svg", "figure_07_phi_hat.svg", "coefficients.svg"} <= found
+    assert {path.rpartition(".")[2] for path in found} == {"svg"}
+
+
+def test_another_format_is_refused_before_the_flight(tmp_path):
+    said = ahv("run", "case1", "--figures", "gif", "--out", tmp_path / "out", status=2)
+    assert "--figures gif: pictures are written as png, pdf or svg." in said
+    assert not (tmp_path / "out").exists()

@@ -132,6 +132,13 @@ def test_units_are_converted_unless_a_factor_is_given(tmp_path):
 
 # --- flights ----------------------------------------------------------------------------------------------------------
 
+def test_figures_of_a_format_are_drawn_without_plot(folder, tmp_path):
+    done = subprocess.run([AHV, "simulate", folder / "small_indirect.fmu", "--stop", "1", "--figures", "pdf",
+                           "--columns", "1", "--out", tmp_path / "out"], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert [path.name for path in (tmp_path / "out" / "figures").iterdir()] == ["signals.pdf"]
+
+
 def test_one_fmu_from_the_command_line(folder, tmp_path):
     done = subprocess.run([AHV, "simulate", folder / "small_indirect.fmu", "--start", "1", "--stop", "2", "--step",
                            "0.1", "--set", "x1=2", "--record", "y1", "--decimate", "5", "--plot", "--json",

@@ -3,6 +3,7 @@ import time
 
 import pytest
 
+from cosim.campaign.criteria import least_is_worst
 from cosim.errors import UsageError
 from cosim.master.evaluate import TRUTH
 from cosim.master.measures import check, parse
@@ -142,3 +143,11 @@ def test_metrics_are_named_in_the_order_of_the_text():
     assert metrics_of(f"{Y} < 1 and ({X} < 3 or {Y} > protected_s)") == (Y, X, "protected_s")
     assert metrics_of(f"abs(1 - max({X},\n 2)) < {Y}") == (X, Y) and metrics_of("1 < 2") == ()
     assert set(metrics_of(" and ".join(f"{name} < 1" for name in KNOWN))) == set(KNOWN)
+
+
+@pytest.mark.parametrize("texts,expected", [
+    (["room > 3"], True), (["3 < room"], True), (["room >= 3 and x < 2", "y > room"], False), (["room < 3"], False),
+    (["1 < room < 3"], False), (["room + 1 > 3"], False), (["room == 3"], False), (["x < 3", "room > max(x, 1)"], True),
+])
+def test_the_least_is_the_worst_of_what_is_bounded_from_below_only(texts, expected):
+    assert least_is_worst("room", texts) is expected and not least_is_worst(None, texts)

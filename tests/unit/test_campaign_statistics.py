@@ -95,6 +95,10 @@ def test_only_independent_draws_have_an_interval_without_reserve():
     assert all(s in interval_text(s) and "wider" in interval_text(s) for s in ("sobol", "latin-hypercube"))
 
 
+def test_of_samples_nobody_knows_whether_they_are_independent():
+    assert "if the rows of draws.csv are independent" in interval_text("random", samples="draws.csv")
+
+
 # --- correlations -------------------------------------------------------------------------------------------------
 
 
@@ -104,6 +108,13 @@ def test_rank_correlation_is_spearman_s():
     assert rank_correlation("a", x, -x**3) == pytest.approx(-1.0)
     assert rank_correlation("a", x, np.array([2.0, 1.0, 4.0, 3.0, 5.0])) == pytest.approx(0.8)   # 1 - 6*4/(5*24)
     assert rank_correlation("a", x, np.array([0.0, 0.0, 0.0, 1.0, 1.0])) == pytest.approx(3 / 12**0.5)
+
+
+def test_what_never_settled_comes_last_in_a_rank_correlation():
+    x, y = np.arange(8.0), np.array([1.0, 2, 3, 4, np.inf, np.inf, np.inf, np.inf])
+    assert rank_correlation("a", x, y) == pytest.approx(rank_correlation("a", x, np.minimum(y, 5)))
+    assert rank_correlation("a", x, -y) == pytest.approx(-rank_correlation("a", x, y)) and y[-1] == np.inf
+    assert rank_correlation("a", x, np.full(8, np.inf)) == 0.0
 
 
 def test_rank_correlation_leaves_out_what_is_not_finite_and_is_0_for_what_does_not_vary():
@@ -173,6 +184,7 @@ def test_the_worst_are_the_earliest_departures_then_by_metric():
     r = of("a", rows("a", statuses, **{"protected_s": [5, 1, 9, 7, 2, np.nan]}))
     assert [row["run"] for row in r.worst("protected_s")] == [1, 4, 3, 0, 5]
     assert [row["run"] for row in r.worst("protected_s", 2)] == [1, 4]
+    assert [row["run"] for row in r.worst("protected_s", least=True)] == [1, 4, 0, 3, 5]
 
 
 def test_drivers_come_with_the_strongest_first():

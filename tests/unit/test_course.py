@@ -53,10 +53,19 @@ def test_values_between_rows_lie_on_a_straight_line_and_there_are_none_outside()
 @pytest.mark.parametrize("values,expected", [
     ([0, 0, 0, 0, 0, 0], None), ([5, 5.5, 4.6, 5, 5, 5], 0.0), ([0, 2, 3, 6, 5, 5], 4.125),
     ([0, 4, 6, 5, 5, 5], 2.5), ([5, 5, 5, 5, 5, 9], None),
+    ([0, np.inf, 5, 5, 5, 5], 1.0), ([0, 5, 5, 5, 5, -np.inf], None),
 ])
 def test_settling_is_the_crossing_of_the_band_between_two_rows(values, expected):
     found = Course(COARSE, np.array(values, float)).settling(5.0, 0.5)
     assert found == (expected if expected is None else pytest.approx(expected))
+
+
+@pytest.mark.parametrize("place", range(6))
+def test_nothing_that_is_no_number_has_settled(place):
+    values = np.full(6, 5.0)
+    values[place] = np.nan
+    assert np.isnan(Course(COARSE, values).settling(5.0, 0.5))
+    assert place == 0 or settling(COARSE, np.array([0.0, 5, 5, 5, 5, 5]), values) is None
 
 
 def test_settling_after_the_steps_of_a_command_is_that_of_the_slowest():

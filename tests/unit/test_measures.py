@@ -95,6 +95,10 @@ def test_signals_of_components_with_steps_of_their_own_are_taken_together_when_b
     ("2 > nan", "there is no nan"), ("1 / (peak - 6)", "division by zero"),
     ("(-peak) ** 0.5", "is not a real number"), ("max(tank.bad) < 2", "not a number"),
     ("first(tank.bad > 2)", "not a finite number at t = 4 s"), ("time_above(tank.far, 0)", "finite number at t = 2 s"),
+    ("time_on(tank.bad) > 0", "not a finite number at t = 4 s"), ("first(tank.bad != 7) < 9", "number at t = 4 s"),
+    ("time_on(7 == tank.bad) < 9", "finite number at t = 4 s"), ("time_on(not tank.far) < 9", "number at t = 2 s"),
+    ("settling(tank.bad, 0, 9) < 9", "not a number"), ("max(0, mean(tank.bad)) < 9", "not a number"),
+    ("min(0, 1, mean(tank.bad), 2) < 9", "not a number"),
 ])
 def test_what_has_no_value_says_why_and_does_not_hold(text, reason):
     with pytest.raises(ValueError, match=reason) as error:
