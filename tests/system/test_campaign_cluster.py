@@ -163,7 +163,8 @@ def other_tree(tmp_path_factory):
 def test_a_worker_with_other_code_is_refused_by_name_before_anything_flies(hosts, other_tree, tmp_path):
     there = hosts()
     there.worker(PYTHONPATH=str(other_tree))
-    said = ahv("campaign", written(tmp_path), "--out", tmp_path / "out", "--scheduler", there.address, status=1)
+    file = written(tmp_path, runs=32)
+    said = ahv("campaign", file, "--out", tmp_path / "out", "--scheduler", there.address, status=1)
     assert f"ahv: The worker at {there.address.rpartition(':')[0]}:" in said
     assert "has other code and may not fly: cosim " in said and len(said.strip().splitlines()) == 1
     assert not list((tmp_path / "out" / "parts").glob("receipt-*"))
