@@ -12,6 +12,9 @@ from .trace import Trace
 
 ROLES = {"input": "INPUT", "output": "OUTPUT", "calculatedParameter": "CALCULATED_PARAMETER",
          "parameter": "PARAMETER", "local": "STATE", "independent": "TIME"}
+OWN = {"sin": "angle_sin", "cos": "angle_cos", "fmin": "smaller", "fmax": "larger",  # functions of mathematics.h
+       **{name: f"musl_{name}" for name in ("exp", "log", "pow", "sinh", "cosh", "tanh", "tan", "asin", "acos", "atan",
+                                            "atan2")}}
 
 
 def rates(trace: Trace) -> casadi.Function:
@@ -65,7 +68,7 @@ def function_code(trace: Trace, own: Hoisted) -> str:
     helpers = re.sub(r"^casadi_real casadi_", "static double casadi_", begins[8:] + helpers, flags=re.MULTILINE)
     bodies = re.findall(r"^/\* (\w+):[^\n]*\*/\n(static int casadi_f\d+\(.*?^\}\n)", text, re.MULTILINE | re.DOTALL)
     code = "\n".join(['#include "angles.h"\n', helpers, *(internal_function(*body) for body in bodies)])
-    code = re.sub(r"\b(sin|cos)\(", r"angle_\1(", code.replace("casadi_real", "double"))
+    code = re.sub(rf"\b({'|'.join(OWN)})\(", lambda name: f"{OWN[name[1]]}(", code.replace("casadi_real", "double"))
     code += "" if own.advances_apart else "\n#define model_advance model_finish\n"
     if [name for name, _ in bodies] != [f.name() for f in kept] or re.search(r"arg\[\d+\]\?|\b(iw|w|return 1)\b", code):
         raise RuntimeError(f"CasADi {version('casadi')} generates C of another shape than {__name__} knows")

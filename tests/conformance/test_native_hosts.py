@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import pytest
 from native_host import HEADERS, HOSTS, STRICT, WARNINGS, Unpacked, host, run, sanitizer, wiring
-from native_loop import Recording, record
+from native_loop import ACTIONS, SCALES, Recording, record
 
 from fmus.native_compiler import LINUX, ZIG_CACHE, cc
 
@@ -41,9 +41,13 @@ def reference(python_fmus) -> Recording:
 
 
 def replay_file(path, controller: Unpacked, reference: Recording):
-    """What replay.c reads: Case 1 as the controller of the Python flavour saw it, and what it answered."""
-    u, y = reference.controller_inputs, reference.controller_outputs
-    numbers = [reference.step, len(u), len(y), *controller.references(u), *controller.references(y)]
+    """What replay.c reads: Case 1 as the controller of a flavour saw it, and what it answered."""
+    return replay(path, controller, reference.step, reference.controller_inputs, reference.controller_outputs)
+
+
+def replay(path, fmu: Unpacked, step: float, u: dict, y: dict):
+    """What replay.c reads: inputs and outputs of the FMU."""
+    numbers = [step, len(u), len(y), *fmu.references(u), *fmu.references(y)]
     rows = zip(*u.values(), *y.values())
     path.write_text("\n".join([" ".join(map(repr, numbers)), *(" ".join(map(repr, row)) for row in rows)]) + "\n")
     return path
@@ -51,8 +55,9 @@ def replay_file(path, controller: Unpacked, reference: Recording):
 
 @dataclass(frozen=True)
 class Version:
-    """The controller of a version of FMI, the program of `native/` that replays it, and its platforms' folders."""
+    """Controller and plant of a version of FMI, the program of `native/` that replays them, its platforms' folders."""
     controller: Unpacked
+    plant: Unpacked
     program: str
     linux: str
     windows: str
@@ -63,7 +68,7 @@ def version(request, native_fmus, native_fmi3_fmus, tmp_path_factory) -> Version
     program, fmus, *platforms = {"2": ("replay", native_fmus, "linux64", "win64"),
                                  "3": ("replay3", native_fmi3_fmus, "x86_64-linux", "x86_64-windows")}[request.param]
     folder = tmp_path_factory.mktemp(f"fmi{request.param}")
-    return Version(Unpacked.of(fmus["AhvController"], folder), program, *platforms)
+    return Version(*(Unpacked.of(fmus[name], folder) for name in ("AhvController", "AhvPlant")), program, *platforms)
 
 
 @pytest.fixture
@@ -71,9 +76,26 @@ def case1(version, reference, tmp_path):
     return replay_file(tmp_path / "case1.txt", version.controller, reference)
 
 
+@pytest.fixture
+def here(version, native_fmus, tmp_path):
+    """The same flown by the native flavour on this machine: a file for the controller, one for the plant."""
+    seen = record(native_fmus["AhvPlant"].parent, "case1")
+    acted = {name: seen.signals[f"{component}.{name}"] for component, names in (
+        ("controller", ACTIONS), ("scenario", SCALES)) for name in names}
+    answered = {name.partition(".")[2]: values for name, values in seen.signals.items() if name.startswith("plant.")}
+    return [(version.controller, replay_file(tmp_path / "controller.txt", version.controller, seen)),
+            (version.plant, replay(tmp_path / "plant.txt", version.plant, seen.step, acted, answered))]
+
+
+def difference(said: str) -> float:
+    """The largest one of a replay of Case 1."""
+    rows, found = said.split()
+    assert int(rows) == 10001
+    return float(found)
+
+
 def agrees(said: str) -> bool:
-    rows, difference = said.split()
-    return int(rows) == 10001 and float(difference) < 1e-9
+    return difference(said) < 1e-9
 
 
 def test_a_c_host_without_python_reproduces_the_reference(version, case1, tmp_path):
@@ -152,23 +174,29 @@ def test_one_step_of_controller_and_plant_takes_microseconds(members, loop):
 
 @pytest.mark.slow
 @pytest.mark.skipif(not shutil.which("wine"), reason="no wine64: apt-get install wine64")
-def test_the_same_host_and_fmu_fly_on_windows(version, case1, tmp_path):
-    controller = version.controller
+def test_the_same_host_and_fmu_fly_on_windows_to_the_last_bit(version, case1, here, tmp_path):
     program = tmp_path / "replay.exe"
     cc(*STRICT, f"-I{HEADERS}", "-o", program, HOSTS / f"{version.program}.c", target="x86_64-windows-gnu")
-    assert agrees(run("wine", program, controller.library(version.windows, ".dll"), controller.guid, case1,
-                      env={**os.environ, "WINEDEBUG": "-all", "WINEPREFIX": str(tmp_path / "wine")}))
+
+    def said(fmu: Unpacked, file) -> str:
+        return run("wine", program, fmu.library(version.windows, ".dll"), fmu.guid, file,
+                   env={**os.environ, "WINEDEBUG": "-all", "WINEPREFIX": str(tmp_path / "wine")})
+    assert agrees(said(version.controller, case1))
+    assert [difference(said(*each)) for each in here] == [0, 0]
 
 
 @pytest.mark.slow
 @pytest.mark.skipif(not shutil.which("qemu-aarch64"), reason="no qemu-user: apt-get install qemu-user")
-def test_the_sources_fly_on_an_arm_processor(version, case1, tmp_path):
+def test_the_sources_fly_on_an_arm_processor_to_the_last_bit(version, case1, here, tmp_path):
     """Statically linked, with the FMU's own sources, because Debian's Arm libraries are not at hand."""
-    program = tmp_path / "replay.arm"
-    sources = version.controller.folder / "sources"
-    cc(*STRICT, "-static", "-DLINKED", f"-I{sources}", "-o", program, HOSTS / f"{version.program}.c",
-       sources / "all.c", "-lm", target="aarch64-linux-musl")
-    assert agrees(run("qemu-aarch64", program, "linked", version.controller.guid, case1))
+    def said(fmu: Unpacked, file) -> str:
+        program, sources = tmp_path / f"{fmu.name}.arm", fmu.folder / "sources"
+        if not program.exists():
+            cc(*STRICT, "-static", "-DLINKED", f"-I{sources}", "-o", program, HOSTS / f"{version.program}.c",
+               sources / "all.c", "-lm", target="aarch64-linux-musl")
+        return run("qemu-aarch64", program, "linked", fmu.guid, file)
+    assert agrees(said(version.controller, case1))
+    assert [difference(said(*each)) for each in here] == [0, 0]
 
 
 def test_an_importer_can_compile_the_sources_again(native_fmus, tmp_path):

@@ -4,6 +4,7 @@ import shutil
 import subprocess
 from pathlib import Path
 
+import numpy as np
 import pytest
 from native_host import run
 
@@ -28,21 +29,18 @@ def test_all_modules_together_are_small_and_import_nothing(native_fmus):
         assert not wasm_host.Compiled(wasm_host.Engine(), content).imports
 
 
-def test_case_1_in_wasmtime(case):
+def test_case_1_in_wasmtime_to_the_last_bit(case):
     rows = wasm_host.flown(case.system)
-    assert len(rows) == 10001 and case.difference(rows) < 1e-9
+    assert len(rows) == 10001 and np.array_equal(rows, case.rows)
 
 
 @pytest.mark.skipif(not shutil.which("node"), reason="no node: apt-get install nodejs")
 @pytest.mark.parametrize("law", ["neural", "resilient", "backstepping"])
-def test_case_1_in_node(native_fmus, law, tmp_path):
+def test_case_1_in_node_to_the_last_bit(native_fmus, law, tmp_path):
     case = wasm_host.case1(tmp_path, law, 100)
     (tmp_path / "system.json").write_text(json.dumps(case.system))
     rows = [json.loads(line) for line in run("node", EXAMPLES / "fly.mjs", tmp_path / "system.json").splitlines()]
-    # The backstepping law's loop makes 2e-9 of the pitching moment's nominal value from any last bit, native too.
-    limit = 2 * case.rounding(law) if law == "backstepping" else 1e-9
-    assert limit < 1e-8
-    assert len(rows) == 10001 and case.difference(rows) < limit
+    assert len(rows) == 10001 and np.array_equal(rows, case.rows)
 
 
 @pytest.mark.skipif(not shutil.which("node"), reason="no node: apt-get install nodejs")

@@ -20,22 +20,11 @@ class Case:
     """What docs/examples/wasm/fly.mjs flies, and the same flight of the native FMUs by `ahv`'s master."""
     system: dict
     rows: np.ndarray      # (ticks + 1, outputs)
-    nominal: np.ndarray   # (outputs,)
-
-    def rounding(self, law: str) -> float:
-        """What the last bit of the initial velocity makes in the native flight, relative to nominal."""
-        names = [f"{name}.{output}" for name in ORDER for output in self.system["components"][name]["outputs"]]
-        flights = [native(law, self.system["stop"], V_start=np.nextafter(7700.0, to))[1] for to in (0, np.inf)]
-        return max(self.difference(np.column_stack([flown[name] for name in names])) for flown in flights)
-
-    def difference(self, rows) -> float:
-        """The largest difference from the native flight, relative to nominal."""
-        return float(np.max(np.abs(np.asarray(rows) - self.rows[:len(rows)]) / self.nominal))
 
 
-def native(law: str, stop: float, **start: float):
-    """Case 1 with the native FMUs: its system and its flight; `start` are parameters of the plant."""
-    system = closed_loop(BUILT_IN["case1"], law, flavour="native", values={"plant": dict(start)}).system
+def native(law: str, stop: float):
+    """Case 1 with the native FMUs: its system and its flight."""
+    system = closed_loop(BUILT_IN["case1"], law, flavour="native").system
     flown = fly(system, STEP, stop)
     assert flown.finished, flown.message
     return system, flown
@@ -45,23 +34,15 @@ def case1(folder: Path, law: str, stop: float) -> Case:
     """Case 1 for `stop` s, its modules compiled into `folder`."""
     system, flown = native(law, stop)
     parts = {part.name: part for part in system.components}
-    components, nominal = {}, []
+    components = {}
     for name in ORDER:
         file = folder / f"{parts[name].fmu.stem}.wasm"
         file.write_bytes(module(parts[name].fmu))
         outputs = [column.removeprefix(f"{name}.") for column in flown if column.startswith(f"{name}.")]
         components[name] = {"module": str(file), "values": dict(parts[name].values), "outputs": outputs}
-        nominal += nominals(parts[name].fmu, outputs)
     rows = np.column_stack([flown[f"{name}.{o}"] for name in ORDER for o in components[name]["outputs"]])
     links = [(source, target, list(names)) for source, target, names in CLOSED_LOOP]
-    return Case({"step": STEP, "stop": stop, "components": components, "connections": links}, rows, np.array(nominal))
-
-
-def nominals(fmu: Path, names: list[str]) -> list[float]:
-    import fmpy
-
-    known = {v.name: v.nominal for v in fmpy.read_model_description(str(fmu)).modelVariables}
-    return [float(known[name] or 1) for name in names]
+    return Case({"step": STEP, "stop": stop, "components": components, "connections": links}, rows)
 
 
 class Ports:
