@@ -12,9 +12,7 @@ from .trace import Trace
 
 ROLES = {"input": "INPUT", "output": "OUTPUT", "calculatedParameter": "CALCULATED_PARAMETER",
          "parameter": "PARAMETER", "local": "STATE", "independent": "TIME"}
-OWN = {"sin": "angle_sin", "cos": "angle_cos", "fmin": "smaller", "fmax": "larger",  # functions of mathematics.h
-       **{name: f"musl_{name}" for name in ("exp", "log", "pow", "sinh", "cosh", "tanh", "tan", "asin", "acos", "atan",
-                                            "atan2")}}
+OWN = ("exp", "sin", "cos", "tan", "asin", "fmin", "fmax")  # functions of mathematics.h
 
 
 def rates(trace: Trace) -> casadi.Function:
@@ -67,8 +65,8 @@ def function_code(trace: Trace, own: Hoisted) -> str:
     _, begins, helpers = before.rpartition("#endif\n\ncasadi_real")
     helpers = re.sub(r"^casadi_real casadi_", "static double casadi_", begins[8:] + helpers, flags=re.MULTILINE)
     bodies = re.findall(r"^/\* (\w+):[^\n]*\*/\n(static int casadi_f\d+\(.*?^\}\n)", text, re.MULTILINE | re.DOTALL)
-    code = "\n".join(['#include "angles.h"\n', helpers, *(internal_function(*body) for body in bodies)])
-    code = re.sub(rf"\b({'|'.join(OWN)})\(", lambda name: f"{OWN[name[1]]}(", code.replace("casadi_real", "double"))
+    code = "\n".join(['#include "mathematics.h"\n', helpers, *(internal_function(*body) for body in bodies)])
+    code = re.sub(rf"\b({'|'.join(OWN)})\(", r"own_\1(", code.replace("casadi_real", "double"))
     code += "" if own.advances_apart else "\n#define model_advance model_finish\n"
     if [name for name, _ in bodies] != [f.name() for f in kept] or re.search(r"arg\[\d+\]\?|\b(iw|w|return 1)\b", code):
         raise RuntimeError(f"CasADi {version('casadi')} generates C of another shape than {__name__} knows")

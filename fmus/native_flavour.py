@@ -9,7 +9,6 @@ from .trace import Trace
 
 WRAPPER = Path(__file__).parent / "wrapper"
 HEADERS = Path(__file__).parent / "headers"
-MUSL_LICENCE = Path(__file__).parent / "musl.txt"
 
 FLAVOUR = Flavour({"canGetAndSetFMUstate": "true", "canSerializeFMUstate": "true",
                    "providesDirectionalDerivative": "true"}, ["all.c"], ("2", "3"), exchanges=True)
@@ -32,15 +31,11 @@ def versions() -> dict[str, str]:
 
 
 def files(model: ModuleType, trace: Trace) -> dict[str, bytes]:
-    """What the FMU is made of: its C, all but guid.h, and the licence of musl's part of it.
-
-    Raises RuntimeError where CasADi generates other C than known.
-    """
+    """What the FMU is made of: its C, all but guid.h. Raises RuntimeError where CasADi generates other C than known."""
     code = generated_sources(model, trace)
     code.update((path.name, path.read_bytes()) for path in WRAPPER.iterdir() if path.is_file())
     code.update((path.name, path.read_bytes()) for path in HEADERS.glob("*.h"))
-    return {**{f"sources/{name}": content for name, content in code.items()},
-            "documentation/licenses/musl.txt": MUSL_LICENCE.read_bytes()}
+    return {f"sources/{name}": content for name, content in code.items()}
 
 
 def binaries(model: ModuleType, contents: dict[str, bytes], token: str, fmi: str) -> dict[str, bytes]:

@@ -26,7 +26,6 @@ SUMS, BILL = "SHA256SUMS", "ahv.spdx.json"
 OTHERS = (
     ("fmi-standard", "2.0.5", "BSD-2-Clause", "CONTAINED_BY", "header files of FMI 2.0, in sources/"),
     ("fmi-standard", "3.0.2", "BSD-2-Clause", "CONTAINED_BY", "header files of FMI 3.0, in sources/"),
-    ("musl", "86373b49", "MIT", "CONTAINED_BY", "mathematical functions, in sources/musl_*.c and in the libraries"),
     ("casadi", version("casadi"), "LGPL-3.0-or-later", "BUILD_TOOL_OF", "generates model.c from the model's equations"),
     ("ziglang", native_flavour.versions()["ziglang"], "MIT", "BUILD_TOOL_OF",
      "compiles the libraries, with what it needs of compiler-rt (Apache-2.0 WITH LLVM-exception) inside"),
