@@ -1,6 +1,6 @@
 /* From musl (https://musl.libc.org, commit 86373b49; its licence is in the documentation's licenses), by the files that are
-   named below. Changed: all names are local, with prefixes, and code for fused multiplication and for long double is left
-   out, so that the same bits come out everywhere. mathematics.h includes this. */
+   named below. Changed: all names are local, with prefixes. Left out: code for fused multiplication and for long double, so
+   that the same bits come out everywhere, and comments, which musl's own files have. mathematics.h includes this. */
 #pragma GCC system_header
 
 /* ---- exp_data.h ---- */
@@ -8,7 +8,6 @@
  * Copyright (c) 2018, Arm Limited.
  * SPDX-License-Identifier: MIT
  */
-
 
 #define MUSL_EXP_TABLE_BITS 7
 #define MUSL_EXP_POLY_ORDER 5
@@ -18,12 +17,11 @@ struct musl_exp_data {
 	double shift;
 	double negln2hiN;
 	double negln2loN;
-	double poly[4]; /* Last four coefficients.  */
+	double poly[4];
 	double exp2_shift;
 	double exp2_poly[MUSL_EXP2_POLY_ORDER];
 	uint64_t tab[2*(1 << MUSL_EXP_TABLE_BITS)];
 };
-
 
 /* ---- exp_data.c ---- */
 /*
@@ -33,45 +31,35 @@ struct musl_exp_data {
  * SPDX-License-Identifier: MIT
  */
 
-
 #define musl_N (1 << MUSL_EXP_TABLE_BITS)
 
 static const struct musl_exp_data musl_exp_data = {
-// N/ln2
+
 .invln2N = 0x1.71547652b82fep0 * musl_N,
-// -ln2/N
+
 .negln2hiN = -0x1.62e42fefa0000p-8,
 .negln2loN = -0x1.cf79abc9e3b3ap-47,
-// Used for rounding when !TOINT_INTRINSICS
+
 .shift = 0x1.8p52,
-// exp polynomial coefficients.
+
 .poly = {
-// abs error: 1.555*2^-66
-// ulp error: 0.509 (0.511 without fma)
-// if |x| < ln2/256+eps
-// abs error if |x| < ln2/256+0x1p-15: 1.09*2^-65
-// abs error if |x| < ln2/128: 1.7145*2^-56
+
 0x1.ffffffffffdbdp-2,
 0x1.555555555543cp-3,
 0x1.55555cf172b91p-5,
 0x1.1111167a4d017p-7,
 },
 .exp2_shift = 0x1.8p52 / musl_N,
-// exp2 polynomial coefficients.
+
 .exp2_poly = {
-// abs error: 1.2195*2^-65
-// ulp error: 0.507 (0.511 without fma)
-// if |x| < 1/256
-// abs error if |x| < 1/128: 1.9941*2^-56
+
 0x1.62e42fefa39efp-1,
 0x1.ebfbdff82c424p-3,
 0x1.c6b08d70cf4b5p-5,
 0x1.3b2abd24650ccp-7,
 0x1.5d7e09b4e3a84p-10,
 },
-// 2^(k/N) ~= H[k]*(1 + T[k]) for int k in [0,N)
-// tab[2*k] = musl_asuint64(T[k])
-// tab[2*k+1] = musl_asuint64(H[k]) - (k << 52)/N
+
 .tab = {
 0x0, 0x3ff0000000000000,
 0x3c9b3b4f1a88bf6e, 0x3feff63da9fb3335,
@@ -210,14 +198,13 @@ static const struct musl_exp_data musl_exp_data = {
  * SPDX-License-Identifier: MIT
  */
 
-
 #define MUSL_LOG_TABLE_BITS 7
 #define MUSL_LOG_POLY_ORDER 6
 #define MUSL_LOG_POLY1_ORDER 12
 struct musl_log_data {
 	double ln2hi;
 	double ln2lo;
-	double poly[MUSL_LOG_POLY_ORDER - 1]; /* First coefficient is 1.  */
+	double poly[MUSL_LOG_POLY_ORDER - 1];
 	double poly1[MUSL_LOG_POLY1_ORDER - 1];
 	struct {
 		double invc, logc;
@@ -227,7 +214,6 @@ struct musl_log_data {
 	} tab2[1 << MUSL_LOG_TABLE_BITS];
 };
 
-
 /* ---- log_data.c ---- */
 /*
  * Data for log.
@@ -236,7 +222,6 @@ struct musl_log_data {
  * SPDX-License-Identifier: MIT
  */
 
-
 #undef musl_N
 #define musl_N (1 << MUSL_LOG_TABLE_BITS)
 
@@ -244,8 +229,7 @@ static const struct musl_log_data musl_log_data = {
 .ln2hi = 0x1.62e42fefa3800p-1,
 .ln2lo = 0x1.ef35793c76730p-45,
 .poly1 = {
-// relative error: 0x1.c04d76cp-63
-// in -0x1p-4 0x1.09p-4 (|musl_log(1+x)| > 0x1p-4 outside the interval)
+
 -0x1p-1,
 0x1.5555555555577p-2,
 -0x1.ffffffffffdcbp-3,
@@ -259,41 +243,14 @@ static const struct musl_log_data musl_log_data = {
 -0x1.5521375d145cdp-4,
 },
 .poly = {
-// relative error: 0x1.926199e8p-56
-// abs error: 0x1.882ff33p-65
-// in -0x1.fp-9 0x1.fp-9
+
 -0x1.0000000000001p-1,
 0x1.555555551305bp-2,
 -0x1.fffffffeb459p-3,
 0x1.999b324f10111p-3,
 -0x1.55575e506c89fp-3,
 },
-/* Algorithm:
 
-	x = 2^k z
-	log(x) = k ln2 + log(c) + log(z/c)
-	log(z/c) = poly(z/c - 1)
-
-where z is in [1.6p-1; 1.6p0] which is split into N subintervals and z falls
-into the ith one, then table entries are computed as
-
-	tab[i].invc = 1/c
-	tab[i].logc = (double)log(c)
-	tab2[i].chi = (double)c
-	tab2[i].clo = (double)(c - (double)c)
-
-where c is near the center of the subinterval and is chosen by trying +-2^29
-floating point invc candidates around 1/center and selecting one for which
-
-	1) the rounding error in 0x1.8p9 + logc is 0,
-	2) the rounding error in z - chi - clo is < 0x1p-66 and
-	3) the rounding error in (double)log(c) is minimized (< 0x1p-66).
-
-Note: 1) ensures that k*ln2hi + logc can be computed without rounding error,
-2) ensures that z/c - 1 can be computed as (z - chi - clo)*invc with close to
-a single rounding error when there is no fast fma for z*invc - 1, 3) ensures
-that logc + poly(z/c - 1) has small error, however near x == 1 when
-|log(x)| < 0x1p-4, this is not enough so that is special cased.  */
 .tab = {
 {0x1.734f0c3e0de9fp+0, -0x1.7cc7f79e69000p-2},
 {0x1.713786a2ce91fp+0, -0x1.76feec20d0000p-2},
@@ -562,19 +519,17 @@ that logc + poly(z/c - 1) has small error, however near x == 1 when
  * SPDX-License-Identifier: MIT
  */
 
-
 #define MUSL_POW_LOG_TABLE_BITS 7
 #define MUSL_POW_LOG_POLY_ORDER 8
 struct musl_pow_data {
 	double ln2hi;
 	double ln2lo;
-	double poly[MUSL_POW_LOG_POLY_ORDER - 1]; /* First coefficient is 1.  */
-	/* Note: the pad field is unused, but allows slightly faster indexing.  */
+	double poly[MUSL_POW_LOG_POLY_ORDER - 1];
+
 	struct {
 		double invc, pad, logc, logctail;
 	} tab[1 << MUSL_POW_LOG_TABLE_BITS];
 };
-
 
 /* ---- pow_data.c ---- */
 /*
@@ -584,7 +539,6 @@ struct musl_pow_data {
  * SPDX-License-Identifier: MIT
  */
 
-
 #undef musl_N
 #define musl_N (1 << MUSL_POW_LOG_TABLE_BITS)
 
@@ -592,9 +546,7 @@ static const struct musl_pow_data musl_pow_data = {
 .ln2hi = 0x1.62e42fefa3800p-1,
 .ln2lo = 0x1.ef35793c76730p-45,
 .poly = {
-// relative error: 0x1.11922ap-70
-// in -0x1.6bp-8 0x1.6bp-8
-// Coefficients are scaled to match the scaling during evaluation.
+
 -0x1p-1,
 0x1.555555555556p-2 * -2,
 -0x1.0000000000006p-2 * -2,
@@ -603,28 +555,7 @@ static const struct musl_pow_data musl_pow_data = {
 0x1.2495b9b4845e9p-3 * -8,
 -0x1.0002b8b263fc3p-3 * -8,
 },
-/* Algorithm:
 
-	x = 2^k z
-	log(x) = k ln2 + log(c) + log(z/c)
-	log(z/c) = poly(z/c - 1)
-
-where z is in [0x1.69555p-1; 0x1.69555p0] which is split into N subintervals
-and z falls into the ith one, then table entries are computed as
-
-	tab[i].invc = 1/c
-	tab[i].logc = round(0x1p43*log(c))/0x1p43
-	tab[i].logctail = (double)(log(c) - logc)
-
-where c is chosen near the center of the subinterval such that 1/c has only a
-few precision bits so z/c - 1 is exactly representible as double:
-
-	1/c = center < 1 ? round(N/center)/N : round(2*N/center)/N/2
-
-Note: |z/c - 1| < 1/N for the chosen c, |log(c) - logc - logctail| < 0x1p-97,
-the last few bits of logc are rounded away so k*ln2hi + logc has no rounding
-error and the interval for z is selected such that near x == 1, where log(x)
-is tiny, large cancellation error is avoided in logc + poly(z/c - 1).  */
 .tab = {
 #define pow_row(a, b, c) {a, 0, b, c},
 pow_row(0x1.6a00000000000p+0, -0x1.62c82f2b9c800p-2, 0x1.ab42428375680p-48)
