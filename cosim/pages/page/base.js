@@ -20,9 +20,9 @@ function made(tag, attributes = {}, ...children) {  // texts become text nodes: 
   return element;
 }
 
-function numbers(text) {
+function numbers(text, Kind = Float32Array) {
   const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
-  return new Float32Array(bytes.buffer);
+  return new Kind(bytes.buffer);
 }
 
 function digits(value, most = 7) {
