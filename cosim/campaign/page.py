@@ -18,9 +18,9 @@ MOST_DRIVERS = 24
 DRIVERS = (
     "Over the judged runs, the strongest first. The first columns are Spearman's rank correlations with each draw: of "
     "failure (0 or 1){metric}. A phase and words have no order: their number is the multiple correlation, never "
-    "negative; differences of two phases stand beside the phases. The last columns are the share of failure's variance that the "
-    "draw explains by itself (Sobol's index of first order), also where both small and large values fail. What the "
-    "shares lack to 1 is due to draws that act together. Draws that are correlated share what they explain.")
+    "negative; differences of two phases stand beside the phases. The last columns are the share of failure's variance "
+    "that the draw explains by itself (Sobol's index of first order), also where both small and large values fail. "
+    "What the shares lack to 1 is due to draws that act together. Draws that are correlated share what they explain.")
 OWN = ("runs", "scatter", "opened", "list", "overview", "sweep", "main")
 
 

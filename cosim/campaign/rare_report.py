@@ -173,14 +173,15 @@ def sections(plan: Plan, summary: dict[str, Any]) -> list[tuple[str, str]]:
               + html_table(("", ""), said)),
              ("The levels", note(
                  "The tenth of a level's runs with the least margins gives its threshold, below which the next level "
-                 "flies. At the last level the threshold is 0. A failure is a margin of at most 0; the first panel above "
-                 "has the margins of each level.")
+                 "flies. At the last level the threshold is 0. A failure is a margin of at most 0; the first panel "
+                 "above has the margins of each level.")
               + html_table(("level", "runs", "threshold", "probability of a margin below it", "failed", "least margin",
                             "median margin"), rows))]
     if rare["drivers"]:
         found.append(("Where the failures lie",
                       note("The mean of the last level's failures, in standard deviations from the median of each "
-                           "draw.") + html_table(("drawn", "mean"), [(name, f"{x:+.2f}") for name, x in rare["drivers"].items()])))
+                           "draw.")
+                      + html_table(("drawn", "mean"), [(name, f"{x:+.2f}") for name, x in rare["drivers"].items()])))
     return found
 
 

@@ -85,8 +85,8 @@ def drawn(plan: Plan, summary: Mapping[str, Any], data: Mapping[str, Any]) -> li
     if data["sweep"]:
         parts.append(("Over the grid", note(
             "A cross is a run that was no success; a grey cell of a map has no finite value. The scale of a map is "
-            "that of the successes, if there are any: orange is above, light blue below it. Point at a cell to read it, "
-            "click to open its run.") + place("sweep")))
+            "that of the successes, if there are any: orange is above, light blue below it. Point at a cell to read "
+            "it, click to open its run.") + place("sweep")))
         parts.append(("Least and greatest", html_table((subject.noun, "metric", "least", "greatest"),
                                                        grid.table_rows(plan, summary["grid"]))))
     elif table := drivers(plan, summary):
