@@ -68,6 +68,7 @@ class Server(ThreadingHTTPServer):
             self.shutdown_request(request)
 
     def process_request_thread(self, request: Any, client_address: Any) -> None:
+        """What the thread does."""
         try:
             super().process_request_thread(request, client_address)
         finally:
@@ -90,9 +91,11 @@ class Handler(BaseHTTPRequestHandler):
         """Nothing: addresses have the token in them."""
 
     def do_GET(self) -> None:
+        """The page or its events."""
         self.answer({"/": self.send_page, "/events": self.send_events})
 
     def do_POST(self) -> None:
+        """A step."""
         self.answer({"/step": self.take_step})
 
     def answer(self, known: dict[str, Any]) -> None:

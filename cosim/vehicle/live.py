@@ -14,7 +14,7 @@ NAMES = {"scale_forces": "Generalised forces", "scale_moment": "Pitching moment"
 GAUGES = (
     Gauge("Velocity V", "plant.V", 7500.0, 9000.0, "controller.V_reference"),
     Gauge("Altitude h", "plant.h", 84_000.0, 87_000.0, "controller.h_reference"),
-    Gauge("Flight path angle γ", "plant.gamma", -1.0, 1.0, "controller.gamma_command"),
+    Gauge("Path angle γ", "plant.gamma", -1.0, 1.0, "controller.gamma_command"),
     Gauge("Angle of attack α", "plant.alpha", -2.0, 6.0),
     Gauge("Elevator", "controller.elevator", -30.0, 30.0, limits=ELEVATOR_LIMITS),
     Gauge("Fuel ratio", "controller.fuel_ratio", 0.0, 1.5, limits=FUEL_LIMITS),

@@ -9,10 +9,12 @@ const theme = () => (dark.matches ? "dark" : "light");
 const LONGEST = 24_000;  // rows that are kept: the oldest go
 const HEIGHT = 200;      // px, as live.css has it
 
+const plain = (x) => signed(String(Number(x.toPrecision(9))));
+
 // Panels over one time that runs. `data` has the times, then a column for each signal, in the units that are shown.
 class Charts {
-  constructor(place, charts, show) {
-    Object.assign(this, {place, charts, show, window: 60, marks: [], stop: 1});
+  constructor(place, charts, stop, show) {
+    Object.assign(this, {place, charts, stop, show, window: 60, marks: []});
     this.signals = [...new Set(charts.flatMap((chart) => chart.signals))];
     this.data = [[], ...this.signals.map(() => [])];
     this.build();
@@ -42,10 +44,11 @@ class Charts {
       ticks: {stroke: inks.grid}, font: "12px system-ui, sans-serif"};
     return {
       width: Math.max(200, box.clientWidth), height: HEIGHT, legend: {show: false}, pxAlign: 0,
-      series: [{}, ...chart.signals.map((name, i) => ({stroke: COLOURS[theme()][i], width: i ? 1.75 : 2.25, pxAlign: 0,
+      series: [{}, ...chart.signals.map((name, i) => ({stroke: COLOURS[theme()][i], width: Math.max(1.5, 3.6 - 0.7 * i), pxAlign: 0,
         dash: DASHES[i].map((length) => length * devicePixelRatio), points: {show: false}, spanGaps: false}))],
       scales: {x: {time: false, range: () => this.span()}, y: {range: (_, low, high) => this.range(chart, low, high)}},
-      axes: [{...axis, size: 28}, {...axis, size: 58}],
+      axes: [{...axis, size: 28, values: (_, splits) => splits.map((x) => `${plain(x)} s`)},
+        {...axis, size: 58, values: (_, splits) => splits.map(plain)}],
       cursor: {show: false},
       hooks: {drawAxes: [(plot) => this.mark(plot, chart)]},
     };
@@ -53,7 +56,7 @@ class Charts {
 
   span() {
     const times = this.data[0], last = times.length ? times[times.length - 1] : 0, first = times.length ? times[0] : 0;
-    if (!this.window) return [first, Math.max(last, first + 1)];
+    if (!this.window || this.stop - first <= this.window) return [first, this.window ? this.stop : Math.max(last, first + 1)];
     return last < first + this.window ? [first, first + this.window] : [last - this.window, last];
   }
 

@@ -28,6 +28,8 @@ function ticks(low, high, count) {
   return {found, places: Math.max(0, -Math.floor(Math.log10(step) + 1e-9))};
 }
 
+const WIDTH = 170, EDGE = 8;  // of a gauge's drawing
+
 // A value on a scale: a needle, the limits, and a mark where it is to be. Numbers are in the unit that is shown.
 class Gauge {
   constructor({title, signal, low, high, commanded, limits}, show) {
@@ -40,29 +42,30 @@ class Gauge {
     }
     this.number = made("span", {class: "number"}, "–");
     this.note = made("span", {class: "note"});
-    this.svg = made("svg", {viewBox: "0 0 260 40", "aria-hidden": "true"});
+    this.svg = made("svg", {viewBox: `0 0 ${WIDTH} 40`, "aria-hidden": "true"});
     this.element = made("div", {class: "gauge", role: "meter", tabindex: "-1", "aria-label": title},
       made("h3", {}, title),
       made("div", {class: "value"}, this.number, made("span", {class: "unit"}, this.unit), this.note), this.svg);
     this.scale();
   }
 
-  x(value) { return 8 + 244 * Math.min(1, Math.max(0, (value - this.low) / (this.high - this.low))); }
+  x(value) { return EDGE + (WIDTH - 2 * EDGE) * Math.min(1, Math.max(0, (value - this.low) / (this.high - this.low))); }
 
   scale() {  // draws all that does not move
     const {found, places} = ticks(this.low, this.high, 4);
-    this.places = Math.min(4, places + 2);
-    this.svg.replaceChildren(made("rect", {class: "track", x: 8, y: 11, width: 244, height: 7, rx: 2}));
+    this.places = Math.min(4, places + 1);
+    const end = WIDTH - EDGE;
+    this.svg.replaceChildren(made("rect", {class: "track", x: EDGE, y: 11, width: end - EDGE, height: 7, rx: 2}));
     if (this.limits) {
       const [a, b] = this.limits.map((limit) => this.x(limit));
-      this.svg.append(made("rect", {class: "beyond", x: 8, y: 11, width: Math.max(0, a - 8), height: 7}),
-        made("rect", {class: "beyond", x: b, y: 11, width: Math.max(0, 252 - b), height: 7}),
+      this.svg.append(made("rect", {class: "beyond", x: EDGE, y: 11, width: Math.max(0, a - EDGE), height: 7}),
+        made("rect", {class: "beyond", x: b, y: 11, width: Math.max(0, end - b), height: 7}),
         ...[a, b].map((x) => made("line", {class: "limit", x1: x, x2: x, y1: 7, y2: 22})));
     }
     for (const value of found) {
-      const x = this.x(value), anchor = x < 24 ? "start" : x > 236 ? "end" : "middle";
+      const x = this.x(value), anchor = x < 20 ? "start" : x > WIDTH - 20 ? "end" : "middle";
       this.svg.append(made("line", {class: "tick", x1: x, x2: x, y1: 18, y2: 23}),
-        made("text", {x: anchor === "start" ? 2 : anchor === "end" ? 258 : x, y: 35, "text-anchor": anchor},
+        made("text", {x: anchor === "start" ? 0 : anchor === "end" ? WIDTH : x, y: 35, "text-anchor": anchor},
           figure(value, places)));
     }
     this.goal = made("path", {class: "goal", d: "M0 18 l-4 7 h8 z", visibility: "hidden"});
@@ -82,13 +85,13 @@ class Gauge {
   set(row) {
     const value = row(this.signal), goal = this.commanded ? row(this.commanded) : null;
     if (value === null) return;
-    this.widen(value);
+    for (const shown of [value, goal]) if (shown !== null) this.widen(shown);
     const text = figure(value, this.places);
     this.number.textContent = text;
     const at = this.limits && (value <= this.limits[0] + 1e-9 ? "at its lower limit" :
       value >= this.limits[1] - 1e-9 ? "at its upper limit" : "");
     const told = at || (this.limits ? `limits ${this.limits.map((x) => figure(x, 2).replace(/\.?0+$/, "")).join(" to ")}`
-      : goal === null ? "" : `to be ${figure(goal, this.places)}`);
+      : goal === null ? "" : `reference ${figure(goal, this.places)}`);
     if (this.note.textContent !== told) this.note.textContent = told;
     this.element.classList.toggle("limited", Boolean(at));
     this.element.setAttribute("aria-valuenow", value.toPrecision(6));

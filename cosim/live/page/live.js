@@ -22,7 +22,7 @@ function begin(about) {
   state.levers = about.levers.map((lever) => new Lever(lever));
   one("levers").replaceChildren(...state.levers.map(({element}) => element));
   one("desk").hidden = !about.levers.length;
-  state.charts = new Charts(one("charts"), about.charts, show);
+  state.charts = new Charts(one("charts"), about.charts, about.stop, show);
   one("window").addEventListener("change", () => {
     state.charts.window = Number(one("window").value);
     state.charts.draw();
@@ -86,7 +86,7 @@ function tell() {
   if (end) {
     const how = end.trouble ? end.trouble : end.finished ? `The flight ended at ${signed(String(Number(end.reached.toPrecision(7))))} s.${end.message ? ` ${end.message}` : ""}`
       : end.interrupted ? end.message : `Departed at ${Number(end.reached.toPrecision(7))} s: ${end.message}`;
-    const where = end.written ? ` The results are in ${end.written}; report.html there has the whole flight. This page keeps the end, and is connected no more.`
+    const where = end.written ? ` The results are in ${end.written}; report.html there has the whole flight. This page keeps the end; it is no longer connected.`
       : end.trouble ? "" : " The results are being written.";
     say(`${how}${where}`, !end.finished);
   } else if (state.lost) say("The connection to ahv is lost: the command has ended, or was stopped. What is shown is the last that came.", true);
