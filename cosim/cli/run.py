@@ -58,6 +58,7 @@ def run(
 ) -> None:
     """Fly a scenario and write signals, run.json, figures and report.html to results/run/SCENARIO."""
     import webbrowser
+    from threading import Thread
 
     from ..master.guard import POSSIBLE
     from ..pictures import Format
@@ -66,7 +67,7 @@ def run(
     def announce(address: str) -> None:
         note([f"the flight is live at\n{address}"])
         if open_:
-            webbrowser.open(address)
+            Thread(target=webbrowser.open, args=(address,), daemon=True).start()  # some wait for the browser's end
 
     done = fly(scenario, controller, chosen_presets(preset), plant, flavour, step, stop, algorithm, assignments(set_),
                uncertainty, decimate, stream, isolate or POSSIBLE, time_limit, plain, real_time, out, progress=True,

@@ -126,8 +126,10 @@ def test_a_signal_ends_the_flight_and_the_page_says_so(browser, native_fmus, tmp
 def test_a_server_that_is_gone_and_buttons_after_the_end(browser, native_fmus, tmp_path):
     flight = Flight(tmp_path, "hold")
     watched = opened(browser, flight)
+    below = psutil.Process(flight.process.pid).children(recursive=True)
     os.kill(flight.process.pid, signal.SIGKILL)
     until(watched, "lost")
+    assert below and psutil.wait_procs(below, timeout=5)[1] == []
     assert "The connection to ahv is lost" in watched.page.locator("#state").inner_text()
     watched.page.get_by_role("button", name="Lift +10 %").click(force=True)
     assert "nothing can be stepped" in watched.page.locator("#refused").inner_text()
