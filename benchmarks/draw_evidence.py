@@ -30,7 +30,7 @@ from claims import (  # noqa: E402
 )
 from evidence import Loaded, fly, summary  # noqa: E402
 from exact_linear import GROUPS, linear_loop  # noqa: E402
-from studies import NOISE, SENSORS, ablation, envelope, limits  # noqa: E402
+from studies import NOISE, SENSORS, ablation, envelope, flown_beside, limits  # noqa: E402
 
 from ahv_ctrl_fmu import backstepping_model, neural_model  # noqa: E402
 from ahv_ctrl_fmu.neural_model import PRESETS  # noqa: E402
@@ -51,6 +51,7 @@ STRUCTURES = {"decoupled": {}, "printed sign": {"psi_1": -363.5, "psi_2": 328.8}
 ERRORS = (("V error", "ft/s", lambda f: f["plant.V"] - f["controller.V_reference"]),
           ("h error", "ft", lambda f: f["plant.h"] - f["controller.h_reference"]))
 WIDTH = pictures.WIDTHS[2]
+STARTS = 21  # flights of each delay and each noise, which start a last bit of V apart
 
 
 def save(figure, name):
@@ -288,19 +289,26 @@ def hold():
 
 def instruments():
     delays, factors = np.arange(0, 100, 5), np.geomspace(0.01, 30, 15)
-    figure, axes = plt.subplots(1, 2, figsize=(WIDTH, 3.2), layout="constrained")
+    figure, axes = plt.subplots(1, 2, figsize=(WIDTH, 3.4), layout="constrained")
     result = {}
     for (name, (law, _, preset)), line, mark in zip(LAWS.items(), styled(len(LAWS)), MARKS):
-        result[name] = limits(law, preset)
+        result[name] = {**limits(law, preset), "kept": {}}
         with Loaded(law, preset, "instrumented") as loaded:
-            late = [summary(loaded.fly("case1", {"plant": {f"{s}_delay": float(d) / 1000 for s in SENSORS}}))
-                    for d in delays]
-            loud = [summary(loaded.fly("case1", {"plant": {n: float(f) * v for n, v in NOISE.items()}}))
-                    for f in factors]
-        for axis, xs, flown, what in ((axes[0], delays, late, "h"), (axes[1], factors, loud, "travel")):
-            kept = list(takewhile(lambda f: f.survived, flown))
-            axis.plot(xs[:len(kept)], [getattr(f, what) for f in kept], marker=mark, label=name, **line)
-    axes[0].set(xlabel="delay of all sensors (ms)", ylabel="max altitude error in Case 1 (ft)", yscale="log")
+            for axis, what, xs, plant in (
+                    (axes[0], "h", delays, lambda ms: {f"{s}_delay": float(ms) / 1000 for s in SENSORS}),
+                    (axes[1], "travel", factors, lambda f: {n: float(f) * size for n, size in NOISE.items()})):
+                flown = (flown_beside(loaded, plant(x), STARTS) for x in xs)
+                kept = list(takewhile(bool, ([f for f in starts if f.survived] for starts in flown)))
+                middle = [np.median([getattr(f, what) for f in flights]) for flights in kept]
+                axis.plot(xs[:len(kept)], middle, label=name, marker=mark, markevery=[len(f) == STARTS for f in kept],
+                          **line)
+                for x, y, flights in zip(xs, middle, kept):
+                    if len(flights) < STARTS:
+                        axis.plot(x, y, mark, color=line["color"], fillstyle="none", markersize=6)
+                        axis.annotate(f"{len(flights)}", (x, y), (6, -2), textcoords="offset points", fontsize=7)
+                result[name]["kept"][what] = {f"{x:.3g}": len(flights) for x, flights in zip(xs, kept)}
+    axes[0].set(xlabel="delay of all sensors (ms)", ylabel="max altitude error in Case 1 (ft)", yscale="log",
+                xlim=(-3, 83))
     axes[1].set(xlabel="factor on the noise (1)", ylabel="elevator travel in Case 1 (deg in 100 s)", xscale="log",
                 yscale="log")
     axes[0].yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
@@ -308,7 +316,8 @@ def instruments():
         axis.set_major_formatter(number)
         axis.set_minor_formatter("")
     axes[1].set_title("noise at factor 1: 0.1 ft/s, 0.3 ft, 2e-5 rad, 2e-4 rad/s rms", fontsize=7)
-    axes[0].set_title("a curve ends before the first flight that is lost", fontsize=7)
+    axes[0].set_title(f"hollow, with a number: so many of {STARTS} flights are kept\n"
+                      "a curve ends before the first delay or noise that none survives", fontsize=7)
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
     save(figure, "instruments")
     return result

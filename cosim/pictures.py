@@ -31,9 +31,10 @@ DOTS = 150  # an inch, in png
 STYLE: dict[str, Any] = {
     "font.size": 8, "axes.titlesize": 8, "axes.labelsize": 8, "xtick.labelsize": 7, "ytick.labelsize": 7,
     "legend.fontsize": 7, "legend.title_fontsize": 7, "figure.titlesize": 8, "legend.frameon": False,
-    "legend.handlelength": 2.6, "axes.grid": True, "grid.alpha": 0.3, "grid.linewidth": 0.5, "axes.linewidth": 0.6,
-    "lines.linewidth": 1.2, "lines.markersize": 3.5, "axes.formatter.useoffset": False, "savefig.dpi": DOTS,
+    "legend.handlelength": 2.6, "axes.grid": True, "axes.axisbelow": True, "grid.alpha": 0.3, "grid.linewidth": 0.5,
+    "axes.linewidth": 0.6, "lines.linewidth": 1.2, "lines.markersize": 3.5, "axes.formatter.useoffset": False, "savefig.dpi": DOTS,
     "pdf.fonttype": 42,        # TrueType, which journals accept
+    "svg.fonttype": "none",    # text stays text
     "svg.hashsalt": "cosim",   # the same picture gives the same file
 }
 TIGHT: dict[str, Any] = {"borderaxespad": 0.1, "borderpad": 0.1, "labelspacing": 0.15, "columnspacing": 1.0,
@@ -68,7 +69,7 @@ class Curve(NamedTuple):
 
 
 REFERENCE = {"color": "0.65", "linewidth": 3.2, "linestyle": "-"}   # seen on both sides of a curve that follows it
-COMMAND = {"color": "0.25", "linewidth": 0.9, "linestyle": (0, (1, 1.5))}
+COMMAND = {"color": "0.25", "linewidth": 0.6, "linestyle": "-"}     # thin, and no line style that a law's curve has
 
 
 @dataclass(frozen=True)
