@@ -46,7 +46,9 @@ def test_a_figure_has_the_width_of_its_columns_in_each_format(kind, columns, tmp
         assert box and b"/Type3" not in path.read_bytes()
         width = float(box[1].split()[2]) / 72
     else:
-        width = float(re.search(r'width="([\d.]+)pt"', path.read_text())[1]) / 72
+        text = path.read_text()
+        assert ">h (ft)</text>" in text
+        width = float(re.search(r'width="([\d.]+)pt"', text)[1]) / 72
     assert width == pytest.approx(WIDTHS[columns], abs=0.01)
 
 
