@@ -190,8 +190,8 @@ def filter_response(gains, omega, step=0.01):
 
 
 def structures():
-    """Preset `coupled` at the elevator: its filter, and the loop on each structure, as it is and with modes that are 10 %
-    lower or higher."""
+    """Preset `coupled` at the elevator: its filter, and the loop on each structure, as it is and with modes that are
+    10 % lower or higher."""
     omega = np.geomspace(0.3, np.pi / 0.01, 1500)
     gains = resilient_model.PRESETS["coupled"]
     figure = plt.figure(figsize=(WIDTH, 4.6), layout="constrained")

@@ -1,7 +1,7 @@
 """Time per tick of our master and of others on the same SSP: `ahv bench masters [--json] [--out DIR]`.
 
-The figures go to masters.json in DIR (results/bench), and masters.png draws what is in that file. What stands in docs/ is
-made by `ahv bench masters --out docs/pictures`; with `--from docs/pictures/masters.json` it is only drawn.
+The figures go to masters.json in DIR (results/bench), and masters.png draws what is in that file. What stands in docs/
+is made by `ahv bench masters --out docs/pictures`; with `--from docs/pictures/masters.json` it is only drawn.
 
 Each measurement is a process of its own, and rounds take turns, so that a busy machine is busy for all. Every master
 is driven the fastest way it has: many ticks a call where there is one. Ours records all connected outputs, the others

@@ -69,7 +69,7 @@ class Curve(NamedTuple):
 
 
 REFERENCE = {"color": "0.65", "linewidth": 3.2, "linestyle": "-"}   # seen on both sides of a curve that follows it
-COMMAND = {"color": "0.25", "linewidth": 0.6, "linestyle": "-"}     # thin, and no line style that a law's curve has
+COMMAND = {"color": "0.25", "linewidth": 0.6, "linestyle": "-"}   # much thinner than all curves
 
 
 @dataclass(frozen=True)

@@ -74,8 +74,8 @@ def vehicle(axes: Axes) -> None:
         arrow(axes, begin, end, FORCES[word])
         axes.text(end[0] + dx, end[1] + dy, label, fontsize=12, color=FORCES[word], ha="left" if dx > 0 else "center")
     axes.plot(0, 0, "o", color="black", markersize=6, zorder=7)
-    axes.text(-7.5, 3.75, "All in their positive sense. A positive elevator pitches the nose down.", fontsize=10, ha="left",
-              va="center", color="#444444")
+    axes.text(-7.5, 3.75, "All in their positive sense. A positive elevator pitches the nose down.", fontsize=10,
+              ha="left", va="center", color="#444444")
 
 
 def loop(axes: Axes) -> None:
