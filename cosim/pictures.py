@@ -40,7 +40,9 @@ STYLE: dict[str, Any] = {
 TIGHT: dict[str, Any] = {"borderaxespad": 0.1, "borderpad": 0.1, "labelspacing": 0.15, "columnspacing": 1.0,
                          "handletextpad": 0.4}
 LETTER = 0.056  # inches, mean width of a letter of 7 points
-LEFT = 0.68     # inches, for tick labels as long as -1.25e-29
+DIGIT = 0.062   # inches
+LINE = 0.12     # inches, height of a line of a legend
+LEFT = 0.68     # inches, for tick labels as long as -1.25e-29; longer ones take from the axes
 
 
 @dataclass(frozen=True)
@@ -130,13 +132,13 @@ def over_time(panels: Sequence[Panel], title: str, columns: int = 2, zoom: tuple
     each = (width - LEFT * across - 0.12) / across
     heading = fill(title, int(width / LETTER * 0.9)) if title else ""
     shared = len(panels) > 1 and len({names_of(panel, plain=True) for panel in panels} | {()}) == 2
-    gaps = [0.24 + 0.15 * (0 if shared else legend_lines(panel, each)) for panel in panels]
+    gaps = [max(0.27, 0.16 + LINE * (0 if shared else legend_lines(panel, each))) for panel in panels]
     block = sum(gaps) + sum(panel.height for panel in panels) + 0.38
     fullest = max(panels, key=lambda panel: len(names_of(panel)))
     top = 0.06 + 0.15 * len(heading.splitlines())
     place = top
     if shared:
-        top += 0.15 * -(-len(names_of(fullest)) // legend_columns(fullest, width - 0.2))
+        top += LINE * -(-len(names_of(fullest)) // legend_columns(fullest, width - 0.2))
     height = top + block * (len(spans) // across)
     with style():
         figure = (kind or Figure)(figsize=(width, height))
@@ -157,7 +159,17 @@ def over_time(panels: Sequence[Panel], title: str, columns: int = 2, zoom: tuple
                 axis.tick_params(bottom=panel is panels[-1], labelbottom=panel is panels[-1])
             axis.set_xlabel("time (s)", labelpad=1)
         figure.text(0.5, 1 - 0.05 / height, heading, ha="center", va="top")
+        lacking = (max(map(longest_tick, figure.axes)) * DIGIT + 0.17 - LEFT) / width
+        for axis in figure.axes if lacking > 0 else ():
+            box = axis.get_position()
+            axis.set_position((box.x0 + lacking, box.y0, box.width - lacking, box.height))
     return figure
+
+
+def longest_tick(axis: "Axes") -> int:
+    """Letters of the longest label of a tick on the y axis."""
+    low, high = sorted(axis.get_ylim())
+    return max((len(number(place)) for place in axis.get_yticks() if low <= place <= high), default=0)
 
 
 def fill_axes(axis: "Axes", panel: Panel, span: tuple[float, float] | None) -> None:

@@ -24,7 +24,8 @@ def panels(laws=4):
     names = ["neural", "neural, robust", "resilient", "backstepping (a reconstruction)"][:laws]
     return [Panel("h (ft)", [curve("reference", 9e4, **REFERENCE), *(curve(n, 9e4 + i) for i, n in enumerate(names)),
                              curve("command", 8e4, **COMMAND)]),
-            Panel("$\\hat\\varphi_1$, velocity (1/s)", [curve(name, -1.25e-29) for name in names])]
+            Panel("$\\hat\\varphi_1$, velocity (1/s)", [curve(name, -1.25e-29) for name in names]),
+            Panel("V (ft/s)", [Curve(name, TIME, 7700.0001 + 1e-5 * np.sin(0.1 * TIME)) for name in names])]
 
 
 def lightness(colour):
