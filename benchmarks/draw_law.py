@@ -93,9 +93,11 @@ def maps(count=800):
         found = [summary(flight) for flight in flights(count, preset, law=law)]
         kept = np.array([f.survived for f in found])
         within = kept & (np.array([f.h for f in found]) < 20)
-        for which, hue, mark, label in ((~kept, RED, "x", "lost"), (within, BLUE, ".", "within 20 ft"),
-                                        (kept & ~within, ORANGE, "^", "kept, more than 20 ft")):
-            axis.plot(*phases[which][:, [1, 3]].T, mark, color=hue, markersize=2.5, markeredgewidth=0.6, label=label)
+        for which, hue, mark, size, label in ((~kept, RED, "x", 2.5, "lost"), (within, BLUE, ".", 2.5, "within 20 ft"),
+                                              (kept & ~within, ORANGE, "^", 4, "kept, more than 20 ft")):
+            edge = "k" if mark == "^" else hue
+            axis.plot(*phases[which][:, [1, 3]].T, mark, color=hue, markersize=size, markeredgewidth=0.6,
+                      markeredgecolor=edge, label=label)
         counts = f"lost {(~kept).sum()}, kept {(kept & ~within).sum()}, within {within.sum()}"
         axis.set(title=f"{name}\n{counts}", xlabel="phase of lift at t = 0 (deg)", xlim=(-180, 180), ylim=(-180, 180),
                  xticks=range(-180, 181, 90), yticks=range(-180, 181, 90))
