@@ -137,6 +137,12 @@ WRONG_FILES = {
                                                   "plant.mass is set by the samples already"),
     "a seed that is missing": (own, {"dispersions": {"plant.Iyy": NORMAL}}, "seed is missing"),
     "nothing uncertain": (own, {"samples": None}, "runs is missing"),
+    "a way of sampling where nothing is drawn": (own, {"sampling": "sobol"}, "line 12: sampling: samples without "
+                                                 "dispersions draw nothing: leave sampling out."),
+    "a whole number that no double is": (grid, {"set": {"plant.mass": 2**53 + 1}}, "set.plant.mass: 9007199254740993 "
+                                                                                  "is no number that a double holds"),
+    "a level that no double is": (grid, {"dispersions": {"plant.mass": {"values": [1, 2**53 + 1]}}},
+                                  "9007199254740993 is no number that a double holds exactly."),
     "a grid of samples": (own, {"sampling": "grid"}, "a grid takes no samples"),
     "no such file": (own, {"samples": "drwas.csv"}, "There is no file"),
     "correlated columns": (own, {"correlations": [{"draws": ["plant.mass", "controller.k_gamma"], "coefficient": 0.5}]},
