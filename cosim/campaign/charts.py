@@ -11,6 +11,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from ..pictures import BLUE, RED, colour
+from ..text import without_math
 from .labels import Label, on_axes
 from .plan import Plan
 from .statistics import EXPLAINED, Results
@@ -143,7 +144,7 @@ def drivers(results: list[Results], draws: list[str], metric: str | None, labels
         axis.tick_params(labelsize="small")
         axis.grid(True, alpha=0.3)
     words = on_axes(names, labels)
-    axes[0, 0].set_yticks(range(len(names)), [fill(words[n], WRAP) for n in names], fontsize="small")
+    axes[0, 0].set_yticks(range(len(names)), [fill(without_math(words[n]), WRAP) for n in names], fontsize="small")
     axes[0, 0].invert_yaxis()
     if len(results) > 1:
         made.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside upper center", ncols=4, fontsize="small")
@@ -162,7 +163,7 @@ def scatter(r: Results, draws: list[str], metric: str, labels: Mapping[str, Labe
         x = r.columns[name][chosen]
         axis.plot(x[~success], y[~success], "x", ms=3, alpha=0.5, color=FAILURE, label="failure")
         axis.plot(x[success], y[success], ".", ms=3, alpha=0.5, color=SUCCESS, label="success")
-        axis.set_xlabel(fill(words[name], WRAP), fontsize="small")
+        axis.set_xlabel(fill(without_math(words[name]), WRAP), fontsize="small")
         axis.set_title(f"rank correlation with failure: {by_draw[name]['failure']:.2f}".replace("-", "\N{MINUS SIGN}"),
                        fontsize="small")
         axis.tick_params(labelsize="small")
@@ -178,6 +179,12 @@ def scatter(r: Results, draws: list[str], metric: str, labels: Mapping[str, Labe
     return made
 
 
+def axes_over_time(plan: Plan) -> dict[str, str]:
+    """What is drawn over time: name -> what is on its axis."""
+    return {name: on_axes([name], plan.labels)[name] if name == label else label
+            for name, (label, _) in plan.subject.over_time.items()}
+
+
 def every(plan: Plan, results: list[Results], errors: pa.Table, draws: list[str]) -> dict[str, Callable[[], Figure]]:
     """File name -> how to draw it."""
     subject, metric = plan.subject, plan.worst_by
@@ -185,8 +192,7 @@ def every(plan: Plan, results: list[Results], errors: pa.Table, draws: list[str]
     if plan.headlines:
         made["histograms"] = lambda: histograms(results, {name: plan.metrics[name] for name in plan.headlines})
     if errors.num_rows:
-        labels = {name: on_axes([name], plan.labels)[name] if name == label else label
-                  for name, (label, _) in subject.over_time.items()}
+        labels = {name: without_math(label) for name, label in axes_over_time(plan).items()}
         made["envelopes"] = lambda: envelopes(results, errors, labels, subject.start, subject.stop)
     if results[0].drivers(draws, metric):
         made["drivers"] = lambda: drivers(results, draws, metric, plan.labels)
