@@ -109,6 +109,8 @@ def variants(r: random.Random, folder: Path) -> list[str]:
 
 def axis(r: random.Random) -> str:
     """A word for a variable of `ahv sweep`."""
+    if r.random() < 0.4:
+        return r.choice(["plant.mass=290:310:3", "controller.k_gamma=0.3,0.4", "plant.start_at_trim=true,false"])
     values = r.choice([f"{number(r)}:{number(r)}:{number(r)}", ",".join(number(r) for _ in range(r.randint(1, 3))),
                        "290:310:3", "true,false", r.choice(WORDS)])
     return r.choice(WORDS) if r.random() < 0.1 else f"{r.choice(VARIABLES)}{r.choice(['=', '=', '=', ''])}{values}"
@@ -123,15 +125,15 @@ def sweeping(r: random.Random, folder: Path) -> list[str]:
 
 
 def fitting(r: random.Random, folder: Path) -> list[str]:
-    """A fit of one FMU to a table. What is right is not flown: its folder cannot be made."""
+    """A fit of one FMU to a table."""
     file = folder / r.choice(["own.csv", "own.csv", "own.parquet"])
     file.write_bytes(cells(r, DATA))
     spans = ["", "=300", "=280:320", f"={number(r)}", f"={number(r)}:{number(r)}", f"={number(r)}:280:320", "::", "=x"]
     names = ["AhvPlant.mass", "AhvPlant.V_start", "own:AhvPlant.mass", *VARIABLES, *WORDS]
-    words = ["fit", str(fmu_path("native", "AhvPlant")), str(file), "--step", "0.01", "--out", "/dev/null/x"]
+    words = ["fit", str(fmu_path("native", "AhvPlant")), str(file), "--step", "0.01", "--out", str(folder / "set")]
     for _ in range(r.randint(1, 2)):
-        words += ["--parameter", r.choice(names) + r.choice(spans)]
-    for option in r.sample(["--signal", "--set", "--start", "--tolerance", "--seed", "--time-limit"], r.randint(0, 2)):
+        words += ["--parameter", r.choice(names[:3] if r.random() < 0.7 else names) + r.choice(spans)]
+    for option in r.sample(["--signal", "--signal", "--set", "--set", "--start", "--seed"], r.randint(0, 2)):
         words += [option, r.choice(["AhvPlant.h", "AhvPlant.h:0.1", f"AhvPlant.h:{number(r)}", *WORDS]) if option ==
                   "--signal" else assignment(r) if option == "--set" else number(r)]
     return words
