@@ -110,6 +110,8 @@ WRONG_ROWS = {
     "a variable that is not there": (ROWS.replace("mass", "maas"), "draws.csv: column plant.maas: AhvPlant.fmu has no "
                                                                    "variable maas; did you mean mass?"),
     "a component that is not there": (ROWS.replace("plant.", "plnt."), "column plnt.mass: there is no component plnt"),
+    "a component alone": (ROWS.replace("plant.mass", "plant"), "draws.csv: column plant: it is not of the form "
+                                                               "COMPONENT.VARIABLE."),
     "an output": (ROWS.replace("plant.mass", "plant.V"), "row 1: plant.V is an output and cannot be set"),
     "a value outside the limits": (ROWS.replace("310,", "-310,"), "draws.csv: column plant.mass, row 3: plant.mass = "
                                                                   "-310.0 is not allowed: it must be between 0.3"),
