@@ -7,7 +7,6 @@ import threading
 import time
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -20,7 +19,9 @@ from ..master.algorithms import method
 from ..master.course import Course
 from ..master.flight import Flight
 from ..master.fly import fly_loaded
-from ..master.loaded import Master, open_files
+from ..master.instance import Instance
+from ..master.kept import Kept
+from ..master.loaded import Master
 from ..master.recording import Whole
 from ..master.system import System, Value
 from ..master.whole_file import whole
@@ -143,50 +144,44 @@ class LoadedSystems:
 
     def __init__(self, job: Job, folder: Path):
         self.job, self.folder = job, folder
-        self.masters: dict[str, tuple[Master, ExitStack]] = {}
+        self.kept: dict[str, Kept] = {}
         self.recorders: dict[str, Whole] = {}
 
-    def system(self, law: str, values: dict[str, Value]) -> System:
-        """The system of a law with `values`, its FMUs in this worker's folder."""
-        system = self.job.systems[law].with_values(values)
+    def system(self, law: str) -> System:
+        """The system of a law, its FMUs in this worker's folder."""
+        system = self.job.systems[law]
         return replace(system, components=tuple(replace(c, fmu=self.folder / c.fmu) for c in system.components))
+
+    @property
+    def instances(self) -> dict[str, list[Instance]]:
+        """The FMU instances of each system that is loaded."""
+        return {law: kept.master.instances for law, kept in self.kept.items() if kept.master}
 
     def ready(self, law: str, values: dict[str, Value]) -> Master:
         """A master that is ready to initialise with these values. Raises UsageError or RunError if it cannot be."""
-        system = self.system(law, values)
-        if law in self.masters:
-            master = self.masters[law][0]
-            try:
-                master.reset(system)
-                return master
-            except RunError:
-                self.drop(law)
-        if any(instance.only_one for master, _ in self.masters.values() for instance in master.instances):
+        if law not in self.kept:
+            self.kept[law] = Kept(self.system(law), record=self.job.record[law], tolerance=self.job.tolerance)
+        if law not in self.instances and any(one.only_one for loaded in self.instances.values() for one in loaded):
             self.close()  # an FMU that allows one instance in a process may be in several laws' systems
-        with ExitStack() as stack:
-            tempfile.tempdir = str(self.folder)  # extracted there, too
-            try:
-                files = stack.enter_context(open_files(system))
-            finally:
-                tempfile.tempdir = None
-            master = Master(system, files, self.job.record[law], tolerance=self.job.tolerance)
-            stack.callback(master.close)
-            self.masters[law] = master, stack.pop_all()
-        return master
+        tempfile.tempdir = str(self.folder)  # extracted there, too
+        try:
+            return self.kept[law].ready(values)
+        finally:
+            tempfile.tempdir = None
 
     def drop(self, law: str) -> None:
         """Unload the system of a law."""
-        if law in self.masters:
-            self.masters.pop(law)[1].close()
+        if law in self.kept:
+            self.kept[law].close()
 
     def drop_dead(self, law: str) -> None:
         """Unload the system of a law if an FMU of it answered Fatal: no function of that FMU may be called then."""
-        if law in self.masters and not all(instance.alive for instance in self.masters[law][0].instances):
+        if not all(instance.alive for instance in self.instances.get(law, ())):
             self.drop(law)
 
     def close(self) -> None:
         """Unload all systems."""
-        for law in list(self.masters):
+        for law in self.kept:
             self.drop(law)
 
     def fly(self, request: Request) -> Outcome:

@@ -75,10 +75,10 @@ class Systems(LoadedSystems):
     def __init__(self, flown, **changes):
         super().__init__(job(**changes), None)
         self.flown, self.dropped = flown, []
-        self.masters["law"] = SimpleNamespace(instances=[Instance(), Instance()], columns=[]), None
+        self.kept["law"] = SimpleNamespace(master=SimpleNamespace(instances=[Instance(), Instance()], columns=[]))
 
     def ready(self, law, values):
-        return self.masters[law][0]
+        return self.kept[law].master
 
     def drop(self, law):
         self.dropped.append(law)
