@@ -171,14 +171,17 @@ class Results:
                            - 1e-3 * abs(item[1].get(metric or "failure", 0.0))))
 
     def worst(self, metric: str | None, count: int = 10, least: bool = False) -> list[dict[str, Any]]:
-        """Rows: those that did not end first, by how early that was, then by `metric`, if there is one: the largest
-        first, or the `least`, those without a value last."""
+        """The first `count` rows of `worst_order`."""
+        return list(self.table.take(self.worst_order(metric, least)[:count]).to_pylist())
+
+    def worst_order(self, metric: str | None, least: bool = False) -> np.ndarray:
+        """The places of the judged runs: those that did not end first, by how early that was, then by `metric`, if
+        there is one: the largest first, or the `least`, those without a value last."""
         finished = np.array([s == "finished" for s in self.table["status"].to_pylist()])
         ended = np.where(finished, np.inf, np.nan_to_num(self.columns["departed_at_s"], nan=0.0))
         by = self.columns["success"].astype(float) if metric is None else \
             np.nan_to_num(self.columns[metric] * (1 if least else -1), nan=np.inf)
-        order = np.lexsort((np.arange(self.judged), by, ended))
-        return list(self.table.take(order[:count]).to_pylist())
+        return np.lexsort((np.arange(self.judged), by, ended))
 
     def summary(self, draws: list[str], metric: str | None, metrics: Iterable[str], noun: str) -> dict[str, Any]:
         """The numbers of report.json for this law, which is a `noun`."""
