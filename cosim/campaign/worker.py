@@ -19,8 +19,7 @@ from ..master.algorithms import method
 from ..master.course import Course
 from ..master.flight import Flight
 from ..master.fly import fly_loaded
-from ..master.instance import Instance
-from ..master.kept import Kept
+from ..master.kept import KeptSystems
 from ..master.loaded import Master
 from ..master.recording import Whole
 from ..master.system import System, Value
@@ -144,45 +143,26 @@ class LoadedSystems:
 
     def __init__(self, job: Job, folder: Path):
         self.job, self.folder = job, folder
-        self.kept: dict[str, Kept] = {}
+        self.kept = KeptSystems()
         self.recorders: dict[str, Whole] = {}
 
-    def system(self, law: str) -> System:
-        """The system of a law, its FMUs in this worker's folder."""
-        system = self.job.systems[law]
+    def system(self, law: str, values: dict[str, Value]) -> System:
+        """The system of a law with `values`, its FMUs in this worker's folder."""
+        system = self.job.systems[law].with_values(values)
         return replace(system, components=tuple(replace(c, fmu=self.folder / c.fmu) for c in system.components))
-
-    @property
-    def instances(self) -> dict[str, list[Instance]]:
-        """The FMU instances of each system that is loaded."""
-        return {law: kept.master.instances for law, kept in self.kept.items() if kept.master}
 
     def ready(self, law: str, values: dict[str, Value]) -> Master:
         """A master that is ready to initialise with these values. Raises UsageError or RunError if it cannot be."""
-        if law not in self.kept:
-            self.kept[law] = Kept(self.system(law), record=self.job.record[law], tolerance=self.job.tolerance)
-        if law not in self.instances and any(one.only_one for loaded in self.instances.values() for one in loaded):
-            self.close()  # an FMU that allows one instance in a process may be in several laws' systems
+        system = self.system(law, values)
         tempfile.tempdir = str(self.folder)  # extracted there, too
         try:
-            return self.kept[law].ready(values)
+            return self.kept.ready(law, system, record=self.job.record[law], tolerance=self.job.tolerance)
         finally:
             tempfile.tempdir = None
 
-    def drop(self, law: str) -> None:
-        """Unload the system of a law."""
-        if law in self.kept:
-            self.kept[law].close()
-
-    def drop_dead(self, law: str) -> None:
-        """Unload the system of a law if an FMU of it answered Fatal: no function of that FMU may be called then."""
-        if not all(instance.alive for instance in self.instances.get(law, ())):
-            self.drop(law)
-
     def close(self) -> None:
         """Unload all systems."""
-        for law in self.kept:
-            self.drop(law)
+        self.kept.close()
 
     def fly(self, request: Request) -> Outcome:
         """Fly one run; failures of any kind are outcomes, not exceptions. Only a full disk raises RunError."""
@@ -205,10 +185,10 @@ class LoadedSystems:
                 raise RunError(f"The disk with {self.folder} is full.") from None
             if isinstance(error, RunError | UsageError):
                 return Outcome(request, "error", str(error))
-            self.drop(request.law)
+            self.kept.drop(request.law)
             return Outcome(request, "error", f"{type(error).__name__}: {error}")
         finally:
-            self.drop_dead(request.law)
+            self.kept.drop_dead()
         status = "finished" if flight.finished else "timed-out" if late else "departed"
         return self.outcome(request, flight, status)
 
