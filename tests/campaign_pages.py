@@ -26,7 +26,7 @@ def made_up(folder: Path, text: str = "x", runs: int = 40, laws: tuple[str, ...]
             metrics={text: "max(a.y)"}, success={f"{text} good": "m < 8"}, rare=None, stop_when=None, set={}),
         subject=SimpleNamespace(
             field="system", column="variant", noun="variant", name=text, remark=text, start=0.0, stop=10.0, step=0.1,
-            drawn=("Signals over time", "Each signal"), sets=dict.fromkeys(laws, {}),
+            drawn=("Signals over time", "Each signal"), sets={law: {} for law in laws},
             over_time={"error": (f"{text} error", "a.y")}, command=lambda law: ["ahv", "simulate", text],
             implied=lambda law, drawn: {}),
         laws=list(laws), constants={}, metrics={"m": figure, text: figure}, headlines=["m"], worst_by="m",

@@ -80,7 +80,7 @@ def test_messages_that_differ_in_numbers_share_their_words_and_have_an_end():
     places = [messages.place(text) for text in texts]
     assert len(messages.templates) == 2 and messages.found[0] == "" and places[1] == 0
     assert messages.found[places[2]] == "0|4|-17.25|0"
-    assert list(messages.templates)[0] == ("at t = ", " s: ", " is below ", "")
+    assert next(iter(messages.templates)) == ("at t = ", " s: ", " is below ", "")
     messages.left = 0
     assert messages.found[messages.place("x" * 1000)] == messages.found[messages.place("y" * 1000)] == "2"
     assert list(messages.templates)[2] == (shown.FULL,)
