@@ -88,10 +88,11 @@ def test_messages_that_differ_in_numbers_share_their_words_and_have_an_end():
 
 def test_whole_numbers_of_16_bits_are_the_values_as_a_screen_shows_them():
     values = np.array([3.0, np.nan, -1e5, np.inf, 7e4])
-    low, step, steps = rounded(values)
+    [low], [step], steps = rounded(values, [0])
     assert steps[[1, 3]].tolist() == [GAP, GAP] and step == pytest.approx(1.7e5 / (GAP - 1))
     assert low + step * steps[[0, 2, 4]] == pytest.approx(values[[0, 2, 4]], abs=step / 2)
-    assert rounded(np.array([2.0, 2.0]))[2].tolist() == [0, 0] and rounded(np.array([np.nan]))[2].tolist() == [GAP]
+    lows, sizes, steps = rounded(np.array([2.0, 2.0, np.nan, 1.0, 3.0]), [0, 2, 3])
+    assert lows.tolist() == [2, 0, 1] and steps.tolist() == [0, 0, GAP, 0, GAP - 1] and sizes[2] == 2 / (GAP - 1)
 
 
 def test_curves_of_all_runs_fit_their_room(store, monkeypatch):
