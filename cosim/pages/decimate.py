@@ -1,5 +1,6 @@
 """Fewer points for the same picture: of each part of the rows the least and the greatest value."""
 import base64
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -40,12 +41,17 @@ def text(numbers: np.ndarray, kind: str = "<f4") -> str:
 GAP = 65535  # where there is no finite value
 
 
-def rounded(values: np.ndarray) -> tuple[float, float, np.ndarray]:
-    """Values as the least of them, a step, and how many steps lie between: whole numbers of 16 bits, which a screen
-    cannot tell from the values. GAP where there is no finite value."""
+def rounded(values: np.ndarray, begins: Sequence[int] | np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Curves one after the other in `values`, which begin at the rows `begins`: the least value and a step of each, and
+    how many steps each value lies above the least: whole numbers of 16 bits, which a screen cannot tell from the
+    values. GAP where there is no finite value. No curve is empty."""
+    if not len(values):
+        return np.empty(0), np.empty(0), np.empty(0)
     finite = np.isfinite(values)
-    low, high = (float(values[finite].min()), float(values[finite].max())) if finite.any() else (0.0, 0.0)
-    step = (high - low) / (GAP - 1) or 1.0
-    found = np.full(len(values), GAP)
-    found[finite] = np.rint((values[finite].astype(float) - low) / step)
-    return low, step, found
+    low = np.minimum.reduceat(np.where(finite, values, np.inf).astype(float), begins)
+    high = np.maximum.reduceat(np.where(finite, values, -np.inf).astype(float), begins)
+    low, high = np.where(low > high, 0.0, low), np.where(low > high, 0.0, high)
+    step = np.where(high > low, (high - low) / (GAP - 1), 1.0)
+    lengths = np.diff([*begins, len(values)])
+    above = (np.where(finite, values, 0.0) - np.repeat(low, lengths)) / np.repeat(step, lengths)
+    return low, step, np.where(finite, np.rint(above), GAP)

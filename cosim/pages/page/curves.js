@@ -114,7 +114,7 @@ async function draw() {
     names.forEach((name, i) => DATA.runs.forEach((run, r) => {
       const found = course(r, name), packed = run.curves[name];
       if (!found) return;
-      const same = curves.find((c) => c.name === name && c.packed.y === packed.y && c.packed.t === packed.t
+      const same = packed.y && curves.find((c) => c.name === name && c.packed.y === packed.y && c.packed.t === packed.t
                                       && c.packed.base === packed.base);
       if (same) { same.runs.push(run.name); return; }  // not the same curve over itself
       const kind = several ? r : i;
