@@ -32,7 +32,8 @@ STYLE: dict[str, Any] = {
     "font.size": 8, "axes.titlesize": 8, "axes.labelsize": 8, "xtick.labelsize": 7, "ytick.labelsize": 7,
     "legend.fontsize": 7, "legend.title_fontsize": 7, "figure.titlesize": 8, "legend.frameon": False,
     "legend.handlelength": 2.6, "axes.grid": True, "axes.axisbelow": True, "grid.alpha": 0.3, "grid.linewidth": 0.5,
-    "axes.linewidth": 0.6, "lines.linewidth": 1.2, "lines.markersize": 3.5, "axes.formatter.useoffset": False, "savefig.dpi": DOTS,
+    "axes.linewidth": 0.6, "lines.linewidth": 1.2, "lines.markersize": 3.5, "axes.formatter.useoffset": False,
+    "savefig.dpi": DOTS,
     "pdf.fonttype": 42,        # TrueType, which journals accept
     "svg.fonttype": "none",    # text stays text
     "svg.hashsalt": "cosim",   # the same picture gives the same file
@@ -161,8 +162,8 @@ def over_time(panels: Sequence[Panel], title: str, columns: int = 2, zoom: tuple
         figure.text(0.5, 1 - 0.05 / height, heading, ha="center", va="top")
         lacking = (max(map(longest_tick, figure.axes)) * DIGIT + 0.17 - LEFT) / width
         for axis in figure.axes if lacking > 0 else ():
-            box = axis.get_position()
-            axis.set_position((box.x0 + lacking, box.y0, box.width - lacking, box.height))
+            left, low, across, high = axis.get_position().bounds
+            axis.set_position((left + lacking, low, across - lacking, high))
     return figure
 
 

@@ -9,8 +9,9 @@ import pyarrow as pa
 import pyarrow.compute
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
-from ..pictures import BLUE, RED, colour
+from ..pictures import BLUE, RED, colour, styled
 from ..text import without_math
 from .labels import Label, on_axes
 from .plan import Plan
@@ -43,10 +44,10 @@ def probability(results: list[Results]) -> Figure:
     axis = axes[0, 0]
     for i, r in enumerate(results):
         p, (low, high) = r.probability or 0.0, r.interval
-        axis.barh(i, p, color=colour(i), alpha=0.6)
-        axis.errorbar(p, i, xerr=[[max(0.0, p - low)], [max(0.0, high - p)]], color="k", capsize=6)
+        axis.errorbar(p, i, xerr=[[max(0.0, p - low)], [max(0.0, high - p)]], fmt="o", color=colour(i), capsize=5,
+                      clip_on=False)
     axis.set_yticks(range(len(results)), [r.law for r in results])
-    axis.invert_yaxis()
+    axis.set_ylim(len(results) - 0.5, -0.5)
     axis.set_xlim(0, 1)
     axis.set_xlabel("success, share of the judged runs, with 95 % interval")
     axis.grid(True, axis="x", alpha=0.3)
@@ -113,8 +114,8 @@ def histograms(results: list[Results], metrics: Mapping[str, Metric]) -> Figure:
             if low == high:
                 low, high = low - 0.05 * (abs(low) or 1), high + 0.05 * (abs(low) or 1)
             bins = np.geomspace(low, high, 50) if log else np.linspace(low, high, 50)
-            for i, (r, values) in enumerate(zip(results, columns)):
-                axis.hist(values, bins, alpha=0.5, label=r.law, color=colour(i))
+            for r, values, line in zip(results, columns, styled(len(results))):
+                axis.stairs(np.histogram(values, bins)[0], bins, label=r.law, **line)
         if log:
             axis.set_xscale("log")
         endless = sum(int(np.isinf(r.columns[name]).sum()) for r in results)
@@ -122,7 +123,8 @@ def histograms(results: list[Results], metrics: Mapping[str, Metric]) -> Figure:
                         + (f"; not shown: {endless:,} infinite" if endless else ""))
         axis.set_ylabel("runs")
         axis.grid(True, alpha=0.3)
-    axes[0, 0].legend(fontsize="small")
+    lines = [Line2D([], [], **line) for line in styled(len(results))]
+    made.legend(lines, [r.law for r in results], loc="outside upper center", ncols=4, fontsize="small")
     return made
 
 
@@ -141,6 +143,7 @@ def drivers(results: list[Results], draws: list[str], metric: str | None, labels
         axis.set_xlim(0 if what == EXPLAINED else -1, 1)
         axis.set_xticks([0, 0.5, 1] if what == EXPLAINED else [-1, -0.5, 0, 0.5, 1])
         axis.set_title(title, fontsize="small")
+        axis.set_xlabel("(1)", fontsize="small")
         axis.tick_params(labelsize="small")
         axis.grid(True, alpha=0.3)
     words = on_axes(names, labels)

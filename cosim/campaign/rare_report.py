@@ -120,15 +120,15 @@ def chart(found: Estimate) -> Figure:
         mine = margins[level.first:level.last]
         mine = mine[::max(1, len(mine) // SEEN)]
         beside = place + np.linspace(-0.3, 0.3, len(mine))
-        for chosen, color, label in ((mine > 0, SUCCESS, "met"), (mine <= 0, FAILURE, "failed")):
-            axis.plot(beside[chosen], mine[chosen], ".", ms=3, alpha=0.6, color=color,
+        for chosen, color, mark, label in ((mine > 0, SUCCESS, ".", "met"), (mine <= 0, FAILURE, "x", "failed")):
+            axis.plot(beside[chosen], mine[chosen], mark, ms=3, alpha=0.6, color=color,
                       label=label if place == 1 else None)
         axis.plot([place - 0.4, place + 0.4], [level.threshold] * 2, color="k", lw=1.5,
                   label="threshold" if place == 1 else None)
     axis.axhline(0, color=FAILURE, lw=0.8, ls="--")
     axis.set_xticks(range(1, len(found.levels) + 1))
     axis.set_xlabel("level")
-    axis.set_ylabel("margin (a failure is at most 0)")
+    axis.set_ylabel("margin, in the unit of the criterion (a failure is at most 0)")
     axis.grid(True, axis="y", alpha=0.3)
     axis.legend(fontsize="small", loc="upper right")
     return made

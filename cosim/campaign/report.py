@@ -28,7 +28,7 @@ def write(store: Store) -> dict[str, Any]:
     runs, draws = with_differences(runs, [d.name for d in plan.draws[plan.laws[0]]])
     subject, metric, rule = plan.subject, plan.worst_by, plan.campaign.stop_when
     sequence = Confidence(rule.half_width) if rule else None
-    results = [Results.of(law, runs, subject.column, sequence) for law in plan.laws]
+    results = [Results.of(law, runs, subject.column, sequence, plan.campaign.sampling != "grid") for law in plan.laws]
     summary = {
         "campaign": plan.campaign.name, subject.field: subject.name, "runs": plan.campaign.runs,
         "seed": plan.campaign.seed, "sampling": plan.campaign.sampling, "success": plan.campaign.success,

@@ -78,7 +78,7 @@ def explained(x: np.ndarray, y: np.ndarray) -> float:
     if y.dtype.kind == "f":
         ok = np.isfinite(y)
         x, y = x[ok], y[ok]
-    most = min(MOST_GROUPS, round(len(y) ** (1 / 3)))
+    most = min(MOST_GROUPS, round(len(y) ** 0.5))  # fewer would hide what changes within a group
     words, group = np.unique(x, return_inverse=True)
     if len(words) > most and x.dtype.kind == "f":
         group = np.searchsorted(np.quantile(x, np.arange(1, most) / most), x, side="right")
@@ -111,16 +111,19 @@ class Results:
     others: pa.Table                # the failures of the machinery
     column: str                     # that names the law
     sequence: Sequence | None = None  # its intervals, where a rule ended the campaign
+    drawn: bool = True                # else the runs are the points of a grid
 
     @classmethod
-    def of(cls, law: str, table: pa.Table, column: str, sequence: Sequence | None = None) -> "Results":
+    def of(cls, law: str, table: pa.Table, column: str, sequence: Sequence | None = None, drawn: bool = True
+           ) -> "Results":
         """The rows of `law` in a table of all laws, which are named in `column`."""
         mine = table.filter(pa.compute.equal(table[column], law))
         known = pa.compute.is_in(mine["status"], pa.array(JUDGED))
         judged = mine.filter(known)
         return cls(law, {f.name: judged[f.name].to_numpy() for f in judged.schema
-                         if pa.types.is_floating(f.type) or pa.types.is_boolean(f.type)},
-                   judged, mine.filter(pa.compute.invert(known)), column, sequence)
+                         if pa.types.is_floating(f.type) or pa.types.is_boolean(f.type)
+                         or pa.types.is_integer(f.type)},
+                   judged, mine.filter(pa.compute.invert(known)), column, sequence, drawn)
 
     @property
     def runs(self) -> int:
@@ -192,7 +195,7 @@ class Results:
                 quantiles[name] = {**quantiles.get(name, {}), "infinite": endless}
         return {"runs": self.runs, "judged": self.judged, "successes": self.successes,
                 "failures": {noun: self.judged - self.successes, "machinery": self.runs - self.judged},
-                "probability": self.probability, "interval_95": list(self.interval),
+                "probability": self.probability, "interval_95": list(self.interval) if self.drawn else None,
                 "statuses": self.statuses(), "metrics": quantiles, "drivers": self.drivers(draws, metric)}
 
 
