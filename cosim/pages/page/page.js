@@ -65,7 +65,8 @@ function valueAt({x, y}, t) {
 }
 
 function digits(value) {
-  return Number.isFinite(value) ? String(Number(value.toPrecision(7))) : "–";
+  if (!Number.isFinite(value)) return "–";
+  return value !== 0 && Math.abs(value) < 1e-4 ? Number(value.toPrecision(4)).toExponential() : String(Number(value.toPrecision(7)));
 }
 
 function united(kind) {  // the marks of a kind, those of all flights in one: shades over each other would darken
@@ -168,9 +169,9 @@ async function draw() {
       const same = curves.find((c) => c.name === name && c.packed.y === packed.y && c.packed.t === packed.t
                                       && c.packed.base === packed.base);
       if (same) { same.runs.push(run.name); return; }  // not the same curve over itself
-      const kind = several ? r : i;
+      const kind = several ? r : i, again = Math.floor(r / colours.length);  // how often all colours were used before
       curves.push({name, packed, runs: [run.name], course: found, colour: colours[kind % colours.length],
-                   dash: LINES[(several && names.length > 1 ? i : kind) % LINES.length], width: several || i === 0 ? 1.8 : 1.6,
+                   dash: LINES[(several && names.length > 1 ? i + again * names.length : kind) % LINES.length], width: several || i === 0 ? 1.8 : 1.6,
                    output: made("output")});
     }));
     for (const curve of curves)
