@@ -35,6 +35,7 @@ def page(title: str, flown: Sequence[Flown], panels: Sequence[Panel] = (), comma
     page; `notes` are sentences at its top. `tables` are further sections: title and HTML.
     """
     data = data_of(flown, panels)
+    notes = [*notes, *missing(flown, len(data["signals"]))]
     marks = [(one.name if len(flown) > 1 else "", mark) for one in flown for mark in marks_of(one)]
     sections = [
         *commands(command),
@@ -47,6 +48,14 @@ def page(title: str, flown: Sequence[Flown], panels: Sequence[Panel] = (), comma
     body = read("curves.html").replace("{{marks}}", marks_table(marks)) + "".join(map(section, sections))
     return filled(title, outcomes(flown) + "".join(f'<p class="note">{html_text(n)}</p>' for n in notes),
                   body, {"bokeh": library(), "page": read("page.js")}, data)
+
+
+def missing(flown: Sequence[Flown], shown: int) -> list[str]:
+    """Sentences on signals that a page does not have."""
+    count = len({name for one in flown for name in (*one.flight, *one.curves)})
+    if not count:
+        return ["No signals were recorded."]
+    return [f"The page has {shown} of the {count} signals."] if shown < count else []
 
 
 def plain(title: str, parts: Sequence[tuple[str, str, bool]], command: str = "") -> str:

@@ -1,7 +1,7 @@
 "use strict";
 Bokeh.logger.set_level("error");  // set_log_level would write a line
 const DATA = JSON.parse(document.getElementById("data").textContent);
-const DEGREES = 180 / Math.PI, MAXIMUM_NAMES = 2000, LEFT = 78;
+const DEGREES = 180 / Math.PI, MAXIMUM_NAMES = 2000, LEFT = 78, LARGEST = 4e307, LONG_KEY = 12;
 const LINES = [[], [8, 4], [2, 3], [10, 3, 2, 3], [5, 2], [14, 4]];
 const one = (id) => document.getElementById(id);
 const dark = () => matchMedia("(prefers-color-scheme: dark)").matches;
@@ -31,9 +31,9 @@ function course(run, name) {  // times and values of a curve, in the unit that i
   if (!packed) return null;
   const key = `${run}/${state.angles}/${name}`;
   if (!decoded.has(key)) {
-    const factor = shownUnit(DATA.signals[name].unit)[1], start = DATA.runs[run].start;
+    const factor = shownUnit(DATA.signals[name].unit)[1], start = DATA.runs[run].start, scale = packed.scale ?? 1;
     decoded.set(key, {x: Float64Array.from(numbers(packed.t), (t) => start + t),
-                      y: Float64Array.from(numbers(packed.y), (v) => factor * (packed.base + v))});
+                      y: Float64Array.from(numbers(packed.y), (v) => factor * scale * (packed.base / scale + v))});
   }
   return decoded.get(key);
 }
@@ -69,6 +69,11 @@ function digits(value) {
   return value !== 0 && Math.abs(value) < 1e-4 ? Number(value.toPrecision(4)).toExponential() : String(Number(value.toPrecision(7)));
 }
 
+const DECIMALS = Math.min(Math.max(Math.ceil(6 - Math.log10(span[1] - span[0] || 1)), 0), 20);
+function seconds(t) {  // as exact as the picture, however far from 0
+  return String(Number(t.toFixed(DECIMALS)));
+}
+
 function united(kind) {  // the marks of a kind, those of all flights in one: shades over each other would darken
   const found = [];
   const all = DATA.runs.flatMap((run) => run.marks.filter((mark) => mark.kind === kind));
@@ -102,14 +107,14 @@ function marksOf(plot) {
 
 const {Document} = Bokeh.require("document");
 const models = {};
-for (const name of ["Plot", "Range1d", "LinearAxis", "Grid", "Line", "GlyphRenderer", "ColumnDataSource", "BoxAnnotation",
-                    "Span", "BoxZoomTool", "PanTool", "ResetTool", "WheelZoomTool", "SaveTool", "Toolbar", "LinearScale",
+for (const name of ["Plot", "Range1d", "LinearAxis", "Grid", "Line", "Scatter", "NoOverlap", "GlyphRenderer", "ColumnDataSource",
+                    "BoxAnnotation", "Span", "BoxZoomTool", "PanTool", "ResetTool", "WheelZoomTool", "SaveTool", "Toolbar", "LinearScale",
                     "BasicTickFormatter", "BasicTicker", "CDSView", "AllIndices"])
   models[name] = Bokeh.Models.get(name);
 
 function panelPlot(panel, curves, style) {
-  const {Plot, Range1d, LinearAxis, Grid, Line, GlyphRenderer, ColumnDataSource, BoxZoomTool, PanTool, WheelZoomTool,
-         SaveTool, Span} = models;
+  const {Plot, Range1d, LinearAxis, Grid, Line, Scatter, GlyphRenderer, ColumnDataSource, BoxZoomTool, PanTool,
+         WheelZoomTool, SaveTool, Span} = models;
   const ink = style.getPropertyValue("--ink").trim(), line = style.getPropertyValue("--line").trim();
   const paper = style.getPropertyValue("--paper").trim();
   const plot = new Plot({x_range: state.range, y_range: new Range1d({start: 0, end: 1}), sizing_mode: "stretch_both",
@@ -118,7 +123,8 @@ function panelPlot(panel, curves, style) {
   const text = {axis_label_text_color: ink, major_label_text_color: ink, axis_line_color: ink, major_tick_line_color: ink,
                 minor_tick_line_color: null, axis_label_text_font_style: "normal", axis_label_text_font_size: "12px",
                 major_label_text_font_size: "11px"};
-  const below = new LinearAxis({axis_label: "time (s)", ...text});
+  const below = new LinearAxis({axis_label: "time (s)", ...text, major_label_policy: new models.NoOverlap({min_distance: 6}),
+                               formatter: new models.BasicTickFormatter({precision: "auto", use_scientific: false})});
   const left = new LinearAxis({axis_label: panel.unitShown, ...text,
                                formatter: new models.BasicTickFormatter({precision: "auto", use_scientific: true,
                                                                          power_limit_high: 7, power_limit_low: -4})});
@@ -127,11 +133,13 @@ function panelPlot(panel, curves, style) {
   for (const [axis, dimension] of [[below, 0], [left, 1]])
     plot.add_layout(new Grid({axis, dimension, grid_line_color: line, grid_line_alpha: 0.7}));
   marksOf(plot);
-  for (const curve of curves)
+  for (const {course, colour, dash, width} of curves) {
+    const place = {x: {field: "x"}, y: {field: "y"}, line_color: colour};
     plot.add_renderers(new GlyphRenderer({
-      data_source: new ColumnDataSource({data: curve.course}),
-      glyph: new Line({x: {field: "x"}, y: {field: "y"}, line_color: curve.colour, line_dash: curve.dash,
-                       line_width: curve.width})}));
+      data_source: new ColumnDataSource({data: course}),
+      glyph: course.x.length > 1 ? new Line({...place, line_dash: dash, line_width: width})
+        : new Scatter({...place, fill_color: colour, size: 8})}));
+  }
   const cursor = new Span({location: span[0], dimension: "height", line_color: ink, line_width: 1, line_dash: [3, 3],
                            visible: false, level: "overlay"});
   plot.add_layout(cursor);
@@ -167,12 +175,12 @@ async function draw() {
       const found = course(r, name), packed = run.curves[name];
       if (!found) return;
       const same = curves.find((c) => c.name === name && c.packed.y === packed.y && c.packed.t === packed.t
-                                      && c.packed.base === packed.base);
+                                      && c.packed.base === packed.base && c.packed.scale === packed.scale);
       if (same) { same.runs.push(run.name); return; }  // not the same curve over itself
       const kind = several ? r : i, again = Math.floor(r / colours.length);  // how often all colours were used before
       curves.push({name, packed, runs: [run.name], course: found, colour: colours[kind % colours.length],
-                   dash: LINES[(several && names.length > 1 ? i + again * names.length : kind) % LINES.length], width: several || i === 0 ? 1.8 : 1.6,
-                   output: made("output")});
+                   dash: LINES[(several && names.length > 1 ? i + again * names.length : kind) % LINES.length],
+                   width: several || i === 0 ? 1.8 : 1.6, output: made("output")});
     }));
     for (const curve of curves)
       curve.label = !several || curve.runs.length === DATA.runs.length ? curve.name : `${curve.runs.join(", ")}: ${curve.name}`;
@@ -182,7 +190,8 @@ async function draw() {
     panels.push({...shown, box});
     const described = `${panel.title}: ${curves.map((c) => c.label).join(", ")}${units.length ? `, in ${units.join(", ")}` : ""}`;
     figures.push(made("figure", {"aria-label": described}, made("h3", {}, panel.title + (units.length ? ` (${units.join(", ")})` : "")),
-                      made("ul", {class: "key"}, ...curves.map((curve) => made("li", {title: DATA.signals[curve.name].description},
+                      made("ul", {class: "key", tabindex: curves.length > LONG_KEY && "0"},
+                        ...curves.map((curve) => made("li", {title: DATA.signals[curve.name].description},
                         swatch(curve), made("span", {}, curve.label), curve.output))), box));
   }
   one("charts").replaceChildren(...figures);
@@ -197,8 +206,8 @@ async function draw() {
 let drawn = 0;
 
 function tellRange() {
-  one("from").value = digits(state.range.start);
-  one("to").value = digits(state.range.end);
+  one("from").value = seconds(state.range.start);
+  one("to").value = seconds(state.range.end);
 }
 
 function fitSoon() {  // once the tool that changes the time is done with all ranges
@@ -217,6 +226,7 @@ function fit() {  // each panel's values fill it, within the time that is shown
       for (let i = first; i <= last; i++) if (Number.isFinite(y[i])) { low = Math.min(low, y[i]); high = Math.max(high, y[i]); }
     }
     if (low > high) [low, high] = [0, 1];
+    [low, high] = [Math.max(low, -LARGEST), Math.min(high, LARGEST)];
     const room = (high - low) * 0.06 || Math.abs(high) * 0.05 || 1;
     plot.y_range.setv({start: low - room, end: high + room});
   }
@@ -224,7 +234,7 @@ function fit() {  // each panel's values fill it, within the time that is shown
 
 function look(t) {  // what the curves are at a time, beside their names
   const there = t !== null && t >= span[0] && t <= span[1];
-  if (document.activeElement !== one("at")) one("at").value = there ? digits(t) : "";
+  if (document.activeElement !== one("at")) one("at").value = there ? seconds(t) : "";
   for (const {curves, cursor} of state.panels) {
     cursor.setv({visible: there, location: there ? t : span[0]});
     for (const curve of curves) curve.output.textContent = there ? digits(valueAt(curve.course, t)) : "";
@@ -232,7 +242,7 @@ function look(t) {  // what the curves are at a time, beside their names
   const texts = DATA.runs.flatMap((run) => run.marks.filter((m) => !state.hidden.has(m.kind) && there && (
     m.end === null ? Math.abs(t - m.begin) < (state.range.end - state.range.start) / 200 : m.begin <= t && t <= m.end))
     .map((m) => m.text));
-  one("now").textContent = there ? `At ${digits(t)} s: ${[...new Set(texts)].join("; ") || "nothing is marked"}.` : "";
+  one("now").textContent = there ? `At ${seconds(t)} s: ${[...new Set(texts)].join("; ") || "nothing is marked"}.` : "";
 }
 
 function zoom() {
