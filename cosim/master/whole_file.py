@@ -27,6 +27,8 @@ def whole(path: Path) -> Iterator[Path]:
 
     Raises RunError, one sentence, if it cannot be written: the disk is full, for example. `path` is then as before.
     """
+    if path.is_dir():
+        raise RunError(f"{path} cannot be written: Is a directory.")
     partial = path.with_name(f".{path.name}.partial")
     try:
         yield partial

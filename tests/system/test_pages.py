@@ -10,7 +10,7 @@ import pytest
 from typer.testing import CliRunner
 
 from cosim.cli.app import app
-from cosim.errors import UsageError
+from cosim.errors import RunError, UsageError
 from cosim.master.aside import aside
 from cosim.master.flight import Flight
 from cosim.master.wiring import Signal
@@ -208,7 +208,8 @@ def test_a_check_as_a_page(native_fmus, tmp_path):
     (lambda path: path / "none", "There is no folder"),
     (lambda path: path, "has no results of ahv; what can be seen are folders of ahv run, simulate and compare"),
     (lambda path: broken(path, b"PAR1"), "signals.parquet cannot be read"),
-    (lambda path: broken(path, None), "signals.parquet cannot be read"),
+    (lambda path: broken(path, None), "signals.parquet cannot be read: there is no such file"),
+    (lambda path: killed(path), "has rows of a flight that was killed: `ahv recover "),
 ])
 def test_folders_without_flights_are_refused(tmp_path, make, sentence):
     with pytest.raises(UsageError, match=sentence):
@@ -221,6 +222,20 @@ def broken(path: Path, signals: bytes | None) -> Path:
     if signals is not None:
         (path / "signals.parquet").write_bytes(signals)
     return path
+
+
+def killed(path: Path) -> Path:
+    (path / ".ahv").mkdir()
+    (path / ".ahv" / "kind.json").write_text('{"kind": "run"}')
+    (path / ".ahv" / "rows.arrows").touch()
+    return path
+
+
+def test_a_page_does_not_take_the_place_of_a_folder(flown, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for out in (".", "", "/", str(tmp_path)):
+        done = CliRunner().invoke(app, ["view", str(flown / "good"), "--out", out])
+        assert isinstance(done.exception, RunError) and str(done.exception).endswith(" cannot be written: Is a directory.")
 
 
 def test_names_tell_folders_apart(tmp_path):
