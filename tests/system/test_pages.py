@@ -235,7 +235,8 @@ def test_a_page_does_not_take_the_place_of_a_folder(flown, tmp_path, monkeypatch
     monkeypatch.chdir(tmp_path)
     for out in (".", "", "/", str(tmp_path)):
         done = CliRunner().invoke(app, ["view", str(flown / "good"), "--out", out])
-        assert isinstance(done.exception, RunError) and str(done.exception).endswith(" cannot be written: Is a directory.")
+        assert isinstance(done.exception, RunError)
+        assert str(done.exception).endswith(" cannot be written: Is a directory.")
 
 
 def test_names_tell_folders_apart(tmp_path):
