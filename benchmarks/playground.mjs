@@ -9,7 +9,7 @@ const part = id => page.match(new RegExp(`id="${id}">([^]*?)</script>`))[1];
 const about = JSON.parse(part("about"));
 globalThis.document = {}; // else the scripts take this for a worker
 vm.runInThisContext(`${part("engine")}; globalThis.engine = { flown, answer, compiled };`);
-const { flown, answer, compiled } = globalThis.engine, modules = await compiled(about.modules);
+const { flown, answer, compiled } = globalThis.engine, flying = await compiled(about.module);
 
 function median(run) {
   const times = [];
@@ -27,6 +27,6 @@ for (const [law, { fmu, preset }] of Object.entries(about.laws))
       const values = { scenario: about.fmus[about.scenario.fmu].presets[name], controller: about.fmus[fmu].presets[preset],
                        plant: {} };
       const request = { law, plant, step: about.step, stop: about.scenarios[name].stop, values };
-      console.log(law, plant, name, median(() => flown(about, modules, request)),
-                  median(() => answer(about, modules, request)));
+      console.log(law, plant, name, median(() => flown(about, flying, request)),
+                  median(() => answer(about, flying, request)));
     }

@@ -18,7 +18,8 @@ MANIFEST = """<?xml version="1.0" encoding="UTF-8"?>
 
 TARGET = ["-target", "wasm32-wasi", "-mexec-model=reactor"]  # for its C library; nothing of the system is used
 STACK = ["-Wl,-z,stack-size=262144"]  # bytes; without it the linker reserves 16 MB
-MODULE = ["-Os", "-DWITHOUT_FMI3", "-Wl,--export-dynamic", "-Wl,--export=malloc", "-Wl,--export=free"]
+EXPORTS = ["-Wl,--export-dynamic", "-Wl,--export=malloc", "-Wl,--export=free"]
+MODULE = ["-Os", "-DWITHOUT_FMI3", *EXPORTS]
 
 
 def contents(fmu: Path) -> dict[str, bytes]:

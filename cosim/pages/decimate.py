@@ -40,7 +40,21 @@ def packed(time: np.ndarray, values: np.ndarray, points: int) -> dict[str, objec
     return {"t": text(time[rows] - time[0]), "y": text(chosen / scale - base / scale), "base": base, "scale": scale}
 
 
-def text(numbers: np.ndarray) -> str:
-    """Numbers as base64 of little-endian 32-bit floats."""
+def text(numbers: np.ndarray, kind: str = "<f4") -> str:
+    """Numbers as base64 of little-endian 32-bit floats, or of another `kind` of numpy's."""
     with np.errstate(over="ignore"):
-        return base64.b64encode(numbers.astype("<f4").tobytes()).decode()
+        return base64.b64encode(numbers.astype(kind).tobytes()).decode()
+
+
+GAP = 65535  # where there is no finite value
+
+
+def rounded(values: np.ndarray) -> tuple[float, float, np.ndarray]:
+    """Values as the least of them, a step, and how many steps lie between: whole numbers of 16 bits, which a screen
+    cannot tell from the values. GAP where there is no finite value."""
+    finite = np.isfinite(values)
+    low, high = (float(values[finite].min()), float(values[finite].max())) if finite.any() else (0.0, 0.0)
+    step = (high - low) / (GAP - 1) or 1.0
+    found = np.full(len(values), GAP)
+    found[finite] = np.rint((values[finite].astype(float) - low) / step)
+    return low, step, found

@@ -47,7 +47,7 @@ def page(title: str, flown: Sequence[Flown], panels: Sequence[Panel] = (), comma
     ]
     body = read("curves.html").replace("{{marks}}", marks_table(marks)) + "".join(map(section, sections))
     return filled(title, outcomes(flown) + "".join(f'<p class="note">{html_text(n)}</p>' for n in notes),
-                  body, {"bokeh": library(), "page": read("page.js")}, data)
+                  body, scripts(), data)
 
 
 def missing(flown: Sequence[Flown], shown: int) -> list[str]:
@@ -68,6 +68,11 @@ def plain(title: str, parts: Sequence[tuple[str, str, bool]], command: str = "")
 def commands(command: str) -> list[tuple[str, str]]:
     """The section with the command that made the page, if it is known."""
     return [("The command", f"<pre>{html_text(command)}</pre>")] if command else []
+
+
+def scripts() -> dict[str, str]:
+    """The scripts of a page with curves, in their order."""
+    return {"bokeh": library(), **{name: read(f"{name}.js") for name in ("base", "curves", "page")}}
 
 
 def filled(title: str, outcome: str, body: str, scripts: Mapping[str, str], data: object) -> str:

@@ -16,6 +16,7 @@ from ..master.description import Description
 from ..master.evaluate import word
 from ..master.fmu import FmuFile
 from ..master.loaded import Master, open_files
+from ..master.loop_compiled import ARRAYS
 from ..master.measures import Expression
 from ..master.recording import Recorder
 from ..master.system import System, Value
@@ -44,6 +45,7 @@ def about() -> dict[str, Any]:
         "fmus": {name: declared(name) for name in MODELS},
         "plans": {law: {plant: plan(closed_loop(BUILT_IN["hold"], law, plant, FLAVOUR).system) for plant in PLANTS}
                   for law in LAWS},
+        "program": {"ARRAYS": ARRAYS, **{n: x for n, x in vars(P).items() if n.isupper() and isinstance(x, int)}},
         "metrics": {name: {"unit": metric.unit, "expression": tree(metric.expression.tree)}
                     for name, metric in METRICS.items()},
         "layout": layout(),

@@ -3,13 +3,11 @@ import base64
 import hashlib
 import json
 from collections.abc import Mapping
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from ..master.whole_file import whole
-from ..vehicle.closed_loop import fmu_path
-from ..vehicle.registry import MODELS
-from .data import FLAVOUR, about
+from .compile import module
+from .data import about
 
 FILES = Path(__file__).parent / "page"
 STYLES = ("uplot/uPlot.min.css", "style.css")
@@ -28,21 +26,13 @@ def playground(out: Path) -> Path:
     """
     out.parent.mkdir(parents=True, exist_ok=True)
     with whole(out) as partial:
-        partial.write_text(page(modules()), encoding="utf-8")
+        partial.write_text(page(module()), encoding="utf-8")
     return out
 
 
-def modules() -> dict[str, bytes]:
-    """Our FMUs as WebAssembly, by their names. Raises as `playground` does."""
-    from fmus.wasm import module
-
-    with ThreadPoolExecutor() as pool:
-        return dict(zip(MODELS, pool.map(module, [fmu_path(FLAVOUR, name) for name in MODELS])))
-
-
-def page(modules: Mapping[str, bytes]) -> str:
-    """The page as a text of HTML, with these modules. Raises UsageError for FMUs that are not built."""
-    data = {**about(), "modules": {name: base64.b64encode(content).decode() for name, content in modules.items()}}
+def page(module: bytes) -> str:
+    """The page as a text of HTML, with this module. Raises UsageError for FMUs that are not built."""
+    data = {**about(), "module": base64.b64encode(module).decode()}
     style = "\n".join(map(read, STYLES))
     scripts = {name: "\n".join(map(read, files)) for name, files in SCRIPTS.items()}
     parts = {"policy": policy(style, scripts), "style": style, "data": embedded(data),

@@ -108,12 +108,10 @@ static Status evaluate(Instance *instance)
 
 /* The state and outputs are brought up to date with what was set. In continuous time, what is discrete stays as the
    last event left it. */
-static Status refresh(Instance *instance)
+static Status evaluate_anew(Instance *instance)
 {
     State *s = &instance->state;
     Status status;
-    if (!s->stale)
-        return OK;
     if (s->phase <= INITIALISING)
         return initialise(instance);
     if ((status = evaluate(instance)) != OK)
@@ -123,6 +121,11 @@ static Status refresh(Instance *instance)
             s->y[i] = instance->next_y[i];
     s->stale = 0;
     return OK;
+}
+
+static FAST Status refresh(Instance *instance)
+{
+    return instance->state.stale ? evaluate_anew(instance) : OK;
 }
 
 /* The derivatives of the continuous states, into `rates`. */

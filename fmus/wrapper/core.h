@@ -34,6 +34,13 @@ typedef struct {
 
 #define LENGTH(n) ((n) > 0 ? (n) : 1) /* C has no arrays of length 0 */
 
+/* A function that is called for each value: its body stands where it is called, and what is constant there decides. */
+#ifdef __GNUC__
+#define FAST inline __attribute__((always_inline))
+#else
+#define FAST inline
+#endif
+
 typedef enum { MODEL_EXCHANGE, CO_SIMULATION } Kind;
 
 /* After initialisation an instance for co-simulation is STEPPING, one for model exchange in either of the next two. */

@@ -14,7 +14,7 @@ static Status no_such(const Instance *instance, Reference reference, const char 
 }
 
 /* Whether every one of `vr` is a variable of the type asked for, which the version of the importer calls `type`. */
-static int known(const Instance *instance, const Reference vr[], size_t n, int boolean, const char *type)
+static FAST int known(const Instance *instance, const Reference vr[], size_t n, int boolean, const char *type)
 {
     for (size_t i = 0; i < n; i++)
         if (vr[i] >= NV || TABLE[vr[i]].boolean != boolean) {
@@ -25,7 +25,7 @@ static int known(const Instance *instance, const Reference vr[], size_t n, int b
 }
 
 /* Where the value of `v` is kept, if what it depends on is up to date. */
-static const double *place_of(const Instance *instance, const Variable *v)
+static FAST const double *place_of(const Instance *instance, const Variable *v)
 {
     const State *s = &instance->state;
     switch (v->role) {
@@ -39,7 +39,7 @@ static const double *place_of(const Instance *instance, const Variable *v)
 }
 
 /* The values of variables; `write` puts the i-th into `values`. */
-static inline Status get(Instance *instance, const Reference vr[], size_t n, void *values,
+static FAST Status get(Instance *instance, const Reference vr[], size_t n, void *values,
                          void (*write)(void *values, size_t i, double value), int boolean, const char *type)
 {
     int have_rates = 0;
@@ -60,7 +60,7 @@ static inline Status get(Instance *instance, const Reference vr[], size_t n, voi
 }
 
 /* Whether `v` may be set now, and to `value`. A value outside a parameter's range is discarded: FMI 2.0 section 2.2.7. */
-static Status settable(const Instance *instance, const Variable *v, double value)
+static FAST Status settable(const Instance *instance, const Variable *v, double value)
 {
     char reason[SENTENCE];
     int phase = instance->state.phase;
@@ -80,7 +80,7 @@ static Status settable(const Instance *instance, const Variable *v, double value
 }
 
 /* An input that is not a finite number is refused: the old value stays and the next step is not taken. */
-static Status set_one(Instance *instance, const Variable *v, double value)
+static FAST Status set_one(Instance *instance, const Variable *v, double value)
 {
     State *s = &instance->state;
     char text[32], time[32];
@@ -103,7 +103,7 @@ static Status set_one(Instance *instance, const Variable *v, double value)
 }
 
 /* Sets variables, all or, where one may not be set, none; `read` takes the i-th value out of `values`. */
-static inline Status set(Instance *instance, const Reference vr[], size_t n, const void *values,
+static FAST Status set(Instance *instance, const Reference vr[], size_t n, const void *values,
                          double (*read)(const void *values, size_t i), int boolean, const char *type)
 {
     Status status = OK;

@@ -5,8 +5,8 @@ import subprocess
 from math import inf, nan, radians
 
 import pytest
+from command import ahv
 from places import AHV
-from test_cases import ahv
 
 from cosim.errors import RunError, UsageError
 from cosim.vehicle.linearize import linearize

@@ -110,6 +110,8 @@ WRONG_ROWS = {
     "a variable that is not there": (ROWS.replace("mass", "maas"), "draws.csv: column plant.maas: AhvPlant.fmu has no "
                                                                    "variable maas; did you mean mass?"),
     "a component that is not there": (ROWS.replace("plant.", "plnt."), "column plnt.mass: there is no component plnt"),
+    "a component alone": (ROWS.replace("plant.mass", "plant"), "draws.csv: column plant: it is not of the form "
+                                                               "COMPONENT.VARIABLE."),
     "an output": (ROWS.replace("plant.mass", "plant.V"), "row 1: plant.V is an output and cannot be set"),
     "a value outside the limits": (ROWS.replace("310,", "-310,"), "draws.csv: column plant.mass, row 3: plant.mass = "
                                                                   "-310.0 is not allowed: it must be between 0.3"),
@@ -137,6 +139,12 @@ WRONG_FILES = {
                                                   "plant.mass is set by the samples already"),
     "a seed that is missing": (own, {"dispersions": {"plant.Iyy": NORMAL}}, "seed is missing"),
     "nothing uncertain": (own, {"samples": None}, "runs is missing"),
+    "a way of sampling where nothing is drawn": (own, {"sampling": "sobol"}, "line 12: sampling: samples without "
+                                                 "dispersions draw nothing: leave sampling out."),
+    "a whole number that no double is": (grid, {"set": {"plant.mass": 2**53 + 1}}, "set.plant.mass: 9007199254740993 "
+                                                                                  "is no number that a double holds"),
+    "a level that no double is": (grid, {"dispersions": {"plant.mass": {"values": [1, 2**53 + 1]}}},
+                                  "9007199254740993 is no number that a double holds exactly."),
     "a grid of samples": (own, {"sampling": "grid"}, "a grid takes no samples"),
     "no such file": (own, {"samples": "drwas.csv"}, "There is no file"),
     "correlated columns": (own, {"correlations": [{"draws": ["plant.mass", "controller.k_gamma"], "coefficient": 0.5}]},

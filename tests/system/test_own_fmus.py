@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from altered import redescribed
-from test_cases import ahv
+from command import ahv
 
 from cosim.errors import UsageError
 from cosim.vehicle import scenarios

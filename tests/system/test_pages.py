@@ -10,7 +10,7 @@ import pytest
 from typer.testing import CliRunner
 
 from cosim.cli.app import app
-from cosim.errors import RunError, UsageError
+from cosim.errors import UsageError
 from cosim.master.aside import aside
 from cosim.master.flight import Flight
 from cosim.master.wiring import Signal
@@ -229,14 +229,6 @@ def killed(path: Path) -> Path:
     (path / ".ahv" / "kind.json").write_text('{"kind": "run"}')
     (path / ".ahv" / "rows.arrows").touch()
     return path
-
-
-def test_a_page_does_not_take_the_place_of_a_folder(flown, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    for out in (".", "", "/", str(tmp_path)):
-        done = CliRunner().invoke(app, ["view", str(flown / "good"), "--out", out])
-        assert isinstance(done.exception, RunError)
-        assert str(done.exception).endswith(" cannot be written: Is a directory.")
 
 
 def test_names_tell_folders_apart(tmp_path):

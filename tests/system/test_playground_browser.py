@@ -5,6 +5,7 @@ import re
 import shlex
 import subprocess
 import sys
+import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +16,7 @@ from browser import CHROMIUM, Watched, chromium
 
 from cosim.master.fly import fly
 from cosim.playground import write
+from cosim.playground.compile import module
 from cosim.vehicle.closed_loop import closed_loop
 from cosim.vehicle.registry import LAWS, MODELS
 from cosim.vehicle.run import run
@@ -24,10 +26,13 @@ pytestmark = [pytest.mark.slow,
               pytest.mark.skipif(not CHROMIUM.exists(), reason="no Chromium: apt-get install chromium")]
 
 AHV = Path(sys.executable).with_name("ahv")
-SIGNALS = """async request => {
-  const { rows, count } = flown(about, await compiled(about.modules), request), bytes = new Uint8Array(rows.buffer);
+SIGNALS = """async ([request, names]) => {
+  const { column, count } = flown(about, await compiled(about.module), request);
   let text = "";
-  for (let i = 0; i < bytes.length; i += 8192) text += String.fromCharCode(...bytes.subarray(i, i + 8192));
+  for (const name of names) {
+    const bytes = new Uint8Array(column(name).slice().buffer);
+    for (let i = 0; i < bytes.length; i += 8192) text += String.fromCharCode(...bytes.subarray(i, i + 8192));
+  }
   return [count, btoa(text)];
 }"""
 
@@ -97,22 +102,24 @@ def test_it_opens_as_a_file_says_nothing_and_asks_for_nothing(browser, file):
     assert watched.said == [] and watched.elsewhere() == []
 
 
-def test_the_modules_are_those_of_the_fmus(file, native_fmus):
-    from fmus.wasm import module
-
+def test_the_module_is_that_of_the_fmus(file, native_fmus):
     data = json.loads(re.search(r'id="about">(.*?)</script>', file.read_text(), re.DOTALL)[1])
-    assert {name: base64.b64decode(text) for name, text in data["modules"].items()} == {
-        name: module(native_fmus[name]) for name in MODELS}
+    content = base64.b64decode(data["module"])
+    assert content == module()
+    for name in MODELS:
+        with zipfile.ZipFile(native_fmus[name]) as fmu:
+            assert re.search(rb'guid="({.*?})"', fmu.read("modelDescription.xml"))[1] in content
 
 
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("case", ["case1", "case2"])
 def test_all_signals_are_those_of_ahv_run(browser, file, case, law):
     watched = opened(browser, file, f"#case={case}&law={law}", bypass_csp=True)
-    count, text = watched.page.evaluate(SIGNALS, watched.page.evaluate("request(state)"))
     system = closed_loop(BUILT_IN[case], law, flavour="native").system
     flown = fly(system, 0.01, BUILT_IN[case].stop)
-    rows = np.frombuffer(base64.b64decode(text)).reshape(count, -1)
+    names = list(flown)
+    count, text = watched.page.evaluate(SIGNALS, [watched.page.evaluate("request(state)"), names])
+    rows = np.frombuffer(base64.b64decode(text)).reshape(-1, count).T
     assert rows.shape == flown.signals.shape
     differences = np.abs(rows - flown.signals) / nominals(system, flown)
     took = [watched.page.evaluate("shown.took")]
@@ -214,7 +221,7 @@ def test_texts_of_fmus_stay_texts(browser, native_fmus, tmp_path, monkeypatch):
     for law in known["laws"].values():
         law["summary"] = attack
     monkeypatch.setattr(write, "about", lambda: known)
-    (tmp_path / "page.html").write_text(write.page(write.modules()))
+    (tmp_path / "page.html").write_text(write.page(module()))
     watched = opened(browser, tmp_path / "page.html")
     watched.page.get_by_text("Every parameter").click()
     assert watched.page.locator("img").count() == 0

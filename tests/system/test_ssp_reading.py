@@ -5,6 +5,7 @@ import subprocess
 import pyarrow.parquet
 import pytest
 from altered import redescribed
+from command import ahv
 from places import AHV
 from ssp_files import (
     component,
@@ -20,7 +21,6 @@ from ssp_files import (
     system,
     write,
 )
-from test_cases import ahv
 
 from cosim import fly
 from cosim.errors import UsageError

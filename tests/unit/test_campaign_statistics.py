@@ -198,6 +198,17 @@ def test_drivers_come_with_the_strongest_first():
                                    "failure_explained": 0.0}  # too few runs to say
 
 
+def test_the_points_of_a_grid_have_no_interval():
+    found = Results.of("a", rows("a", ["finished"] * 4), "controller", drawn=False).summary([], None, [], "law")
+    assert found["probability"] == 1.0 and found["interval_95"] is None
+
+
+def test_whole_numbers_are_draws_with_an_order():
+    table = rows("a", ["finished"] * 4, [True, True, False, False]).append_column(
+        "p.n", pa.array([-2**62, 1, 2, 2**62], pa.int64()))
+    assert of("a", table).drivers(["p.n"], None)["p.n"]["failure"] == pytest.approx(2 / 5**0.5)
+
+
 def test_pairs_are_of_the_same_draws_where_both_laws_were_judged():
     a = of("a", rows("a", ["error", "finished", "finished", "departed", "departed", "finished", "finished"]))
     b = of("b", rows("b", ["finished", "departed", "crashed", "finished", "departed", "departed", "finished"]))

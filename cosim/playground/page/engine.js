@@ -1,151 +1,240 @@
 "use strict";
-// Flies a system of FMUs, which are WebAssembly modules (docs/wasm.md), by the calls that `ahv`'s master makes:
-// `plan.initial` and `plan.tick` are its own lists of calls. Runs in a worker, or in the page where there is none.
+// Flies a system of FMUs by the master's own loop (loop.c) and lists of calls: `plan.initial` and `plan.tick`. FMUs and
+// loop are one WebAssembly module (compile.py). Runs in a worker, or in the page where there is none.
 
 const OK = 1; // statuses up to this one: OK and Warning
 const ANSWERS = ["OK", "Warning", "Discard", "Error", "Fatal", "Pending"];
+const BLOCK = 256; // ticks whose rows are turned into columns together, while they are near
 
 class Refused extends Error {}
 
-// An instance of the FMU in a compiled module; `label` is what messages call it.
+// The module's exports and memory. Nothing is given back but what `release` gives back.
+class Engine {
+  constructor(module) {
+    this.module = module;
+  }
+
+  // Begins anew where the last flight did not end by itself.
+  begin() {
+    if (!this.ended) {
+      this.exports = new WebAssembly.Instance(this.module).exports;
+      this.exports._initialize();
+      this.taken = [];
+    }
+    this.ended = false;
+  }
+
+  // Memory for `n` values of 8 bytes, zeros where `fill`: its address.
+  room(n, fill = true) {
+    const address = this.exports.malloc(8 * n);
+    if (!address) throw new Refused("The flight does not fit into the memory of this browser.");
+    if (fill) this.reals(address, n).fill(0);
+    this.taken.push(address);
+    return address;
+  }
+
+  // What lies at an address, until memory is taken again.
+  reals(address, n) {
+    return new Float64Array(this.exports.memory.buffer, address, n);
+  }
+
+  words(address, n) {
+    return new BigInt64Array(this.exports.memory.buffer, address, n);
+  }
+
+  text(address) {
+    const bytes = new Uint8Array(this.exports.memory.buffer);
+    return new TextDecoder().decode(bytes.slice(address, bytes.indexOf(0, address)));
+  }
+
+  release() {
+    this.taken.splice(0).forEach(this.exports.free);
+    this.ended = true;
+  }
+}
+
+// An instance of the FMU `fmu` of the engine; `label` is what messages call it.
 class Component {
-  constructor(module, label) {
-    this.exports = new WebAssembly.Instance(module).exports;
-    this.exports._initialize();
+  constructor(engine, fmu, label) {
+    this.engine = engine;
+    this.own = name => engine.exports[`${fmu}_${name}`];
     this.label = label;
     this.references = new Map();
-    const n = this.exports.n_variables();
-    for (let i = 0; i < n; i++) this.references.set(this.text(this.exports.variable_name(i)), i);
-    this.instance = this.exports.instantiate();
-    if (!this.instance) throw new Refused(`${label} does not instantiate: ${this.text(this.exports.message())}`);
+    const n = this.own("n_variables")();
+    for (let i = 0; i < n; i++) this.references.set(engine.text(this.own("variable_name")(i)), i);
+    this.instance = this.own("instantiate")();
+    if (!this.instance) throw new Refused(`${label} does not instantiate: ${this.said()}`);
   }
 
-  text(at) {
-    const bytes = new Uint8Array(this.exports.memory.buffer);
-    return new TextDecoder().decode(bytes.slice(at, bytes.indexOf(0, at)));
+  said() {
+    return this.engine.text(this.own("message")());
   }
 
-  check(status, call, time) {
-    if (status <= OK) return;
+  refusal(status, call, time) {
     const when = time === undefined ? "" : ` at t = ${short(time)} s`;
-    throw new Refused(
-      `${this.label} answered ${ANSWERS[status]} to fmi2${call}${when}: ` + this.text(this.exports.message()),
-    );
+    return `${this.label} answered ${ANSWERS[status]} to fmi2${call}${when}: ${this.said()}`;
   }
 
   call(name, ...more) {
-    this.check(this.exports[`fmi2${name}`](this.instance, ...more), name);
+    const status = this.own(`fmi2${name}`)(this.instance, ...more);
+    if (status > OK) throw new Refused(this.refusal(status, name));
   }
 
-  // One call's variables of one type: where their references and values are in the module's memory.
-  group(names, type = "Real") {
-    const n = names.length,
-      references = this.exports.malloc(4 * n),
-      values = this.exports.malloc(8 * n);
-    new Uint32Array(this.exports.memory.buffer, references, n).set(
+  // Variables that are moved together: where their references are, and how many.
+  group(names) {
+    const references = this.engine.room(Math.ceil(names.length / 2));
+    new Uint32Array(this.engine.exports.memory.buffer, references, names.length).set(
       names.map(name => {
         if (!this.references.has(name)) throw new Refused(`${this.label} has no variable ${name}.`);
         return this.references.get(name);
       }),
     );
-    return [references, n, values];
+    return [references, names.length];
   }
 
   // Sets numbers and truth values by name.
   set(values) {
-    for (const [name, value] of Object.entries(values)) {
-      const truth = typeof value === "boolean",
-        place = this.group([name], truth ? "Boolean" : "Real");
-      new (truth ? Int32Array : Float64Array)(this.exports.memory.buffer, place[2], 1)[0] = value;
-      this.call(truth ? "SetBoolean" : "SetReal", ...place);
+    const value = this.engine.room(1);
+    for (const [name, given] of Object.entries(values)) {
+      const truth = typeof given === "boolean",
+        group = this.group([name]);
+      new (truth ? Int32Array : Float64Array)(this.engine.exports.memory.buffer, value, 1)[0] = given;
+      this.call(truth ? "SetBoolean" : "SetReal", ...group, value);
     }
   }
 
-  // The values of truth or number variables by name.
+  // The values of numbers by name.
   get(names) {
-    const [references, n, values] = this.group(names);
-    this.call("GetReal", references, n, values);
-    return Object.fromEntries(
-      names.map((name, i) => [name, new Float64Array(this.exports.memory.buffer, values, n)[i]]),
-    );
+    const values = this.engine.room(names.length);
+    this.call("GetReal", ...this.group(names), values);
+    const found = this.engine.reals(values, names.length);
+    return Object.fromEntries(names.map((name, i) => [name, found[i]]));
   }
 }
 
-// A call of a plan as a function of the time (s): its status. `signals` are the values by slot.
-function prepared(component, [code, , names, sources], slot, signals, step) {
-  const { exports, instance } = component;
-  if (code === "step") return time => exports.fmi2DoStep(instance, time, step, 1);
-  const [references, n, values] = component.group(names);
-  const where = Int32Array.from(sources, name => slot.get(name));
-  let view = new Float64Array(exports.memory.buffer, values, n);
-  const current = () => {
-    if (!view.length) view = new Float64Array(exports.memory.buffer, values, n); // the module's memory has grown
-    return view;
+// The tables of a system as loop.c has them (cosim/master/wiring.py), with `P`, the names of program.py; a signal is a
+// slot, and all are recorded. `components` are loaded ones by name; a row of the program is one of `calls`.
+function tables(engine, components, calls, columns, P) {
+  const names = Object.keys(components),
+    slots = new Map(columns.map((name, i) => [name, BigInt(i)])),
+    moves = calls.filter(([code]) => code !== "step"),
+    links = moves.reduce((sum, [, , variables]) => sum + variables.length, 0),
+    groups = moves.map(([, component, variables]) => components[component].group(variables)),
+    n = columns.length;
+  const at = { slopes: 0, exact: 0, smooth: 0, texts: 0 }; // of which nothing is used here
+  for (const name of ["where", "factor", "offset", "buffers"]) at[name] = engine.room(links);
+  for (const name of ["signals", "before", "holder", "recorded"]) at[name] = engine.room(n);
+  at.groups = engine.room(P.GROUP_COLUMNS * moves.length);
+  at.components = engine.room(P.COMPONENT_COLUMNS * names.length);
+  at.events = engine.room(P.EVENT_COLUMNS * names.length);
+  at.clock = engine.room(2 * names.length);
+  at.states = engine.room(names.length);
+  at.offers = engine.room(names.length);
+  const program = engine.room(5 * calls.length),
+    wiring = engine.room(P.ARRAYS.length);
+  new Uint32Array(engine.exports.memory.buffer, wiring, P.ARRAYS.length).set(P.ARRAYS.map(name => at[name]));
+  engine.reals(at.factor, links).fill(1);
+  engine.words(at.recorded, n).set([...slots.values()]);
+  const row = (table, number, length, values) => {
+    const cells = engine.words(at[table] + 8 * length * number, length);
+    for (const [name, value] of Object.entries(values)) cells[P[name]] = BigInt(value);
   };
-  if (code === "set")
-    return () => {
-      const to = current();
-      for (let i = 0; i < n; i++) to[i] = signals[where[i]];
-      return exports.fmi2SetReal(instance, references, n, values);
-    };
-  return () => {
-    const status = exports.fmi2GetReal(instance, references, n, values),
-      from = current();
-    if (status <= OK) for (let i = 0; i < n; i++) signals[where[i]] = from[i];
-    return status;
-  };
+  names.forEach((name, i) =>
+    row("components", i, P.COMPONENT_COLUMNS, {
+      INSTANCE: components[name].instance,
+      DO_STEP: components[name].own("do_step_at")(),
+      ANSWERS: at.events + 8 * P.EVENT_COLUMNS * i,
+    }),
+  );
+  let first = 0;
+  moves.forEach(([code, component, , sources], i) => {
+    const [references, count] = groups[i];
+    row("groups", i, P.GROUP_COLUMNS, {
+      CALL: components[component].own(`${code}_reals_at`)(),
+      POINTER: components[component].instance,
+      REFERENCES: references,
+      COUNT: count,
+      BUFFER: at.buffers + 8 * first,
+      FIRST: first,
+      KIND: P.REAL,
+      OWNER: names.indexOf(component),
+      VALUES: count,
+    });
+    engine.words(at.where + 8 * first, count).set(sources.map(name => slots.get(name)));
+    first += count;
+  });
+  calls.forEach((call, i) => {
+    const [code, component] = call,
+      index = code === "step" ? names.indexOf(component) : moves.indexOf(call);
+    engine.words(program + 40 * i, 5).set([P[code.toUpperCase()], index, 1, 0, 1].map(BigInt));
+  });
+  return { wiring, program, signals: at.signals };
 }
 
-// Flies {components: {name: {module, label, values}}, plan, step, stop, inquire}. What it gives: `count` rows of
-// signals (the columns of plan.columns) at the times k * step, whether it finished, else why not, and the values that
-// `inquire` names ({component: [variable, ...]}). Raises Refused if an FMU does not start.
-function fly({ components, plan, step, stop, inquire }) {
-  const loaded = {},
-    slot = new Map(plan.columns.map((name, i) => [name, i])),
-    n = plan.columns.length;
-  const signals = new Float64Array(n),
-    ticks = Math.round(stop / step);
-  for (const [name, { module, label, values }] of Object.entries(components)) {
-    loaded[name] = new Component(module, label);
+// Flies {components: {name: {fmu, label, values}}, plan, step, stop, inquire} in `engine`; `P` as `tables` has it. What
+// it gives: `count` values of each signal at the times k * step, as `column(name)` until the next flight, whether it
+// finished, else why not, and the values that `inquire` names ({component: [variable, ...]}). Raises Refused if an FMU
+// does not start.
+function fly(engine, { components, plan, step, stop, inquire }, P) {
+  const { columns, initial, tick } = plan,
+    n = columns.length,
+    ticks = Math.round(stop / step),
+    loaded = {};
+  engine.begin();
+  for (const [name, { fmu, label, values }] of Object.entries(components)) {
+    loaded[name] = new Component(engine, fmu, label);
     loaded[name].set(values);
   }
-  const steps = calls =>
-    calls.map(call => ({
-      run: prepared(loaded[call[1]], call, slot, signals, step),
-      component: loaded[call[1]],
-      late: call[0] === "get" ? 1 : 0,
-      name: { step: "DoStep", set: "SetReal", get: "GetReal" }[call[0]],
-    }));
-  for (const component of Object.values(loaded)) {
+  const everyone = Object.values(loaded),
+    gets = tick.filter(([code]) => code === "get"),
+    found = engine.room(n * (ticks + 1), false),
+    rows = engine.room(n * BLOCK),
+    times = engine.room(BLOCK),
+    cursor = engine.room(P.STEPS + 1),
+    lists = [initial, gets, tick],
+    { wiring, program, signals } = tables(engine, loaded, lists.flat(), columns, P);
+  const starts = [0, initial.length, initial.length + gets.length],
+    place = name => Number(engine.words(cursor + 8 * P[name], 1)[0]);
+  // Carries out a list on `many` ticks from the first; its rows are recorded. Why not, or nothing.
+  const flown = (which, first = 0, many = 1, recorded = 0) => {
+    const list = lists[which];
+    engine.words(cursor + 8 * P.ROWS, 1)[0] = 0n;
+    const [length, width, from, count, decimate] = [list.length, n, first, many, recorded].map(BigInt),
+      at = program + 40 * starts[which],
+      { run } = engine.exports;
+    const status = run(wiring, at, length, rows, times, cursor, width, from, count, 0, step, decimate);
+    if (!status) return "";
+    const [code, component] = list[place("AT")],
+      call = { step: "DoStep", set: "SetReal", get: "GetReal" }[code],
+      late = code === "get" && list === tick ? 1 : 0;
+    return loaded[component].refusal(Number(status), call, which ? (place("TICK") + late) * step : undefined);
+  };
+  const must = refusal => {
+    if (refusal) throw new Refused(refusal);
+  };
+  for (const component of everyone) {
     component.call("SetupExperiment", 0, 0, 0, 1, stop);
     component.call("EnterInitializationMode");
   }
-  const tick = steps(plan.tick);
-  for (const one of steps(plan.initial)) one.component.check(one.run(0), one.name);
-  for (const component of Object.values(loaded)) component.call("ExitInitializationMode");
-  for (const one of tick.filter(one => one.late)) one.component.check(one.run(0), one.name, 0);
+  must(flown(0));
+  for (const component of everyone) component.call("ExitInitializationMode");
+  must(flown(1));
   const asked = Object.fromEntries(Object.entries(inquire).map(([name, names]) => [name, loaded[name].get(names)]));
-  const rows = new Float64Array((ticks + 1) * n),
-    runs = tick.map(one => one.run);
-  rows.set(signals);
-  let k = 0,
+  engine.exports.to_columns(signals, 1, n, found, ticks + 1);
+  let count = 1,
     message = "";
-  flight: for (; k < ticks; k++) {
-    const time = k * step;
-    for (let i = 0; i < runs.length; i++) {
-      const status = runs[i](time);
-      if (status > OK) {
-        try {
-          tick[i].component.check(status, tick[i].name, (k + tick[i].late) * step);
-        } catch (error) {
-          message = error.message;
-        }
-        break flight;
-      }
-    }
-    rows.set(signals, (k + 1) * n);
+  for (let first = 0; first < ticks && !message; first += BLOCK) {
+    message = flown(2, first, Math.min(BLOCK, ticks - first), 1);
+    engine.exports.to_columns(rows, place("ROWS"), n, found + 8 * count, ticks + 1);
+    count += place("ROWS");
   }
-  return { rows, n, count: k + 1, step, stop, finished: !message, message, asked };
+  for (const component of everyone) component.own("fmi2FreeInstance")(component.instance);
+  engine.release();
+  const column = name => {
+    const number = columns.indexOf(name);
+    return number < 0 ? null : engine.reals(found + 8 * number * (ticks + 1), count);
+  };
+  return { column, count, step, stop, finished: !message, message, asked };
 }
 
 // A number with six digits, as `%g` writes it in C and Python.

@@ -24,7 +24,7 @@ class Pilot {
   // No worker: the page itself computes.
   alone() {
     this.worker = null;
-    this.modules = compiled(about.modules);
+    this.engine = compiled(about.module);
     if (this.busy) this.compute(this.busy);
   }
 
@@ -42,7 +42,7 @@ class Pilot {
   async compute(request) {
     const id = this.id;
     try {
-      this.answered({ id, result: answer(about, await this.modules, request) });
+      this.answered({ id, result: answer(about, await this.engine, request) });
     } catch (error) {
       this.answered({ id, error: error.message });
     }

@@ -4,18 +4,9 @@
 
 const DEGREES = 180 / Math.PI;
 
-// A signal by row; null if the flight does not have it, nor what stands in for it.
+// A signal at each time; null if the flight does not have it, nor what stands in for it.
 function signal(flight, name) {
-  const known = flight.columns.includes(name) ? name : flight.standsIn[name],
-    column = flight.columns.indexOf(known);
-  if (column < 0) return null;
-  if (!flight.taken.has(known)) {
-    const { rows, n, count } = flight,
-      found = new Float64Array(count);
-    for (let k = 0, i = column; k < count; k++, i += n) found[k] = rows[i];
-    flight.taken.set(known, found);
-  }
-  return flight.taken.get(known);
+  return flight.column(name) ?? flight.column(flight.standsIn[name]);
 }
 
 function folded(values, combine, start) {

@@ -2,33 +2,39 @@
 // Answers requests to fly, in a worker or in the page.
 
 // The flight of {law, plant, step, stop, values: {component: {variable: value}}}, with all its signals.
-function flown(about, modules, { law, plant, step, stop, values }) {
+function flown(about, engine, { law, plant, step, stop, values }) {
   const plan = about.plans[law][plant],
     limits = about.limits.flat();
   const fmus = { scenario: about.scenario.fmu, controller: about.laws[law].fmu, plant: about.plants[plant].fmu };
   const components = Object.fromEntries(
     Object.entries(fmus).map(([name, fmu]) => [
       name,
-      { module: modules[fmu], label: `${name} (${about.fmus[fmu].file})`, values: values[name] },
+      { fmu, label: `${name} (${about.fmus[fmu].file})`, values: values[name] },
     ]),
   );
   const inquire = {
     plant: ["V_start", "h_start", "fuel_ratio_trim", "elevator_trim", "trim_residual"],
     controller: limits,
   };
-  const flight = fly({ components, plan, step, stop, inquire });
-  return { ...flight, columns: plan.columns, standsIn: about.stands_in, taken: new Map() };
+  const flight = fly(engine, { components, plan, step, stop, inquire }, about.program);
+  return { ...flight, standsIn: about.stands_in };
+}
+
+// What an expression is worth, in memory of its own.
+function kept(flight, expression) {
+  const values = worth(flight, expression);
+  return typeof expression === "string" && values ? values.slice() : values;
 }
 
 // What the page shows of it: `series` by their lines' signals, metrics, what happened, how long it took (ms).
-function answer(about, modules, request) {
+function answer(about, engine, request) {
   const began = performance.now(),
-    flight = flown(about, modules, request),
+    flight = flown(about, engine, request),
     took = performance.now() - began;
   const found = metrics(flight, about.metrics);
   const lines = about.layout.panels.flatMap(panel => panel.lines);
   return {
-    series: Object.fromEntries(lines.map(line => [line.signal, worth(flight, line.expression)])),
+    series: Object.fromEntries(lines.map(line => [line.signal, kept(flight, line.expression)])),
     metrics: found,
     step: flight.step,
     stop: flight.stop,
@@ -44,24 +50,21 @@ function answer(about, modules, request) {
   };
 }
 
-// Modules by name from their base64 texts.
-async function compiled(texts) {
-  const made = await Promise.all(
-    Object.values(texts).map(text => WebAssembly.compile(Uint8Array.from(atob(text), letter => letter.charCodeAt(0)))),
-  );
-  return Object.fromEntries(Object.keys(texts).map((name, i) => [name, made[i]]));
+// The engine from the base64 text of its module.
+async function compiled(text) {
+  return new Engine(await WebAssembly.compile(Uint8Array.from(atob(text), letter => letter.charCodeAt(0))));
 }
 
 if (typeof document === "undefined") {
   let ready;
   self.onmessage = async ({ data: { about, request, id } }) => {
     if (about) {
-      ready = compiled(about.modules).then(modules => ({ about, modules }));
+      ready = compiled(about.module).then(engine => ({ about, engine }));
       return;
     }
     try {
-      const { about, modules } = await ready,
-        result = answer(about, modules, request);
+      const { about, engine } = await ready,
+        result = answer(about, engine, request);
       self.postMessage({ id, result }, [...new Set(Object.values(result.series).map(one => one.buffer))]);
     } catch (error) {
       self.postMessage({ id, error: error.message });

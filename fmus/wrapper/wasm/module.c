@@ -1,10 +1,12 @@
 /* The FMU as a plain WebAssembly module: it exports the FMI functions, `memory`, `malloc` and `free`, and what is here.
-   It imports nothing, so there are no callbacks: the last sentence that the FMU said is kept. */
+   It imports nothing, so there are no callbacks: the last sentence that the FMU said is kept. A prefix of the FMI
+   functions is one of all names. */
+#define FMI2_Export __attribute__((visibility("default")))
 #include <stdlib.h>
 
 #include "all.c"
 
-#define EXPORT(name) __attribute__((export_name(#name))) wasm_##name
+#define EXPORT(type, name) FMI2_Export type fmi2FullName(name)
 
 static char last[SENTENCE];
 
@@ -17,23 +19,23 @@ static void keep(fmi2ComponentEnvironment environment, fmi2String instance, fmi2
 
 static const fmi2CallbackFunctions CALLBACKS = {keep, calloc, free, NULL, NULL};
 
-fmi2Component EXPORT(instantiate)(void)
+EXPORT(fmi2Component, instantiate)(void)
 {
     return fmi2Instantiate(MODEL_NAME, fmi2CoSimulation, FMU_GUID, "", &CALLBACKS, fmi2False, fmi2True);
 }
 
-const char *EXPORT(message)(void)
+EXPORT(const char *, message)(void)
 {
     return last;
 }
 
 /* The variables by value reference, 0 ... n_variables() - 1. */
-unsigned EXPORT(n_variables)(void)
+EXPORT(unsigned, n_variables)(void)
 {
     return NV;
 }
 
-const char *EXPORT(variable_name)(unsigned reference)
+EXPORT(const char *, variable_name)(unsigned reference)
 {
     return TABLE[reference].name;
 }
