@@ -9,8 +9,8 @@ import pyarrow as pa
 import pyarrow.compute
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from matplotlib.ticker import NullFormatter
 from matplotlib.lines import Line2D
+from matplotlib.ticker import NullFormatter
 
 from ..pictures import BLUE, RED, colour, styled
 from ..text import without_math
