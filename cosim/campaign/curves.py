@@ -1,5 +1,6 @@
 """The curves of runs that are in the report's page: what is drawn over time of all runs, and signals that were kept."""
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -53,7 +54,7 @@ def of_errors(plan: Plan, shown: Shown, errors: pa.Table) -> dict[str, Any] | No
             values = table[name].combine_chunks()
             starts = values.offsets.to_numpy()
             counts = -(-np.diff(starts) // every)
-            rows = np.concatenate([np.arange(a, b, every) for a, b in zip(starts, starts[1:])] or [np.empty(0, int)])
+            rows = np.concatenate([np.arange(a, b, every) for a, b in pairwise(starts)] or [np.empty(0, int)])
             low, step, steps = rounded(values.values.to_numpy()[rows], np.cumsum(counts) - counts)
             found[name] = {"low": text(low), "step": text(step), "values": text(steps, "<u2")}
         variants.append({"runs": text(np.searchsorted(shown.numbers, table["run"].to_numpy()), "<u4"),
