@@ -4,6 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+SMALL, LARGE = 1e-30, 1e30  # what 32-bit floats hold with all their digits
+
 
 def kept(values: np.ndarray, points: int) -> np.ndarray:
     """The rows to draw of `values`, shape (rows,): ascending, at most about `points` of them, the first and the last,
@@ -25,11 +27,18 @@ def kept(values: np.ndarray, points: int) -> np.ndarray:
 
 def packed(time: np.ndarray, values: np.ndarray, points: int) -> dict[str, object]:
     """A curve for the page's script: times from `time[0]` on and values from `base` on, as base64 of little-endian
-    32-bit floats. Differences from a base have the digits that an altitude of 85,000 ft would lose."""
+    32-bit floats. Differences from a base have the digits that an altitude of 85,000 ft would lose. Differences too
+    large or too small for 32 bits are divided by `scale`."""
     rows = kept(values, points)
-    finite = values[rows][np.isfinite(values[rows])]
+    chosen = values[rows]
+    finite = chosen[np.isfinite(chosen)]
     base = float(finite[0]) if len(finite) else 0.0
-    return {"t": text(time[rows] - time[0]), "y": text(values[rows] - base), "base": base}
+    with np.errstate(over="ignore"):
+        largest = float(np.nan_to_num(np.abs(finite - base)).max(initial=0.0))
+    if largest == 0.0 or SMALL < largest < LARGE:
+        return {"t": text(time[rows] - time[0]), "y": text(chosen - base), "base": base}
+    scale = 2.0 ** min(max(int(np.frexp(largest)[1]), -1021), 1023)
+    return {"t": text(time[rows] - time[0]), "y": text(chosen / scale - base / scale), "base": base, "scale": scale}
 
 
 def text(numbers: np.ndarray, kind: str = "<f4") -> str:

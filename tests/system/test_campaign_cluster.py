@@ -226,7 +226,7 @@ def test_a_cluster_with_tls_takes_who_has_the_files(hosts, expected, tmp_path, m
      "are for a --scheduler tls://..., not tcp://127.0.0.1:1"),
 ])
 def test_tls_options_that_make_no_sense_are_refused(tmp_path, words, sentence):
-    assert sentence in ahv("campaign", written(tmp_path), "--out", tmp_path / "out", *words, status=2)
+    assert sentence in here("campaign", written(tmp_path), "--out", tmp_path / "out", *words, status=2)
 
 
 @pytest.mark.parametrize("address, sentence", [
