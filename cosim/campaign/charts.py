@@ -10,6 +10,7 @@ import pyarrow.compute
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.ticker import NullFormatter
 
 from ..pictures import BLUE, RED, colour, styled
 from ..text import without_math
@@ -173,6 +174,7 @@ def scatter(r: Results, draws: list[str], metric: str, labels: Mapping[str, Labe
         axis.grid(True, alpha=0.3)
         if wide(y):
             axis.set_yscale("log")
+            axis.yaxis.set_minor_formatter(NullFormatter())  # it would write none
     for axis in axes.flat[len(names):]:
         axis.set_visible(False)
     made.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside upper center", ncols=2, fontsize="small",

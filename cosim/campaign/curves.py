@@ -1,5 +1,6 @@
 """The curves of runs that are in the report's page: what is drawn over time of all runs, and signals that were kept."""
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -51,11 +52,11 @@ def of_errors(plan: Plan, shown: Shown, errors: pa.Table) -> dict[str, Any] | No
         counts, found = np.empty(0, int), {}
         for name in names:
             values = table[name].combine_chunks()
-            parts = np.split(values.values.to_numpy(), values.offsets.to_numpy()[1:-1]) if table.num_rows else []
-            low, step, courses = zip(*(rounded(part[::every]) for part in parts)) if parts else ((), (), ())
-            counts = np.array([len(course) for course in courses])
-            found[name] = {"low": text(np.array(low)), "step": text(np.array(step)),
-                           "values": text(np.concatenate([*courses, np.empty(0)]), "<u2")}
+            starts = values.offsets.to_numpy()
+            counts = -(-np.diff(starts) // every)
+            rows = np.concatenate([np.arange(a, b, every) for a, b in pairwise(starts)] or [np.empty(0, int)])
+            low, step, steps = rounded(values.values.to_numpy()[rows], np.cumsum(counts) - counts)
+            found[name] = {"low": text(low), "step": text(step), "values": text(steps, "<u2")}
         variants.append({"runs": text(np.searchsorted(shown.numbers, table["run"].to_numpy()), "<u4"),
                          "counts": text(counts, "<u2"), "curves": found})
     return {"times": text(longest[::every], "<f4"), "names": names, "variants": variants}
@@ -93,7 +94,6 @@ def curves_of(table: pa.Table, names: Sequence[str], points: int) -> dict[str, A
         values = table[name].to_numpy()
         if np.isfinite(values).any():
             rows = kept(values, points)
-            low, step, steps = rounded(values[rows])
-            begin, tick, ticks = rounded(time[rows])
-            found[name] = [low, step, text(steps, "<u2"), begin, tick, text(ticks, "<u2")]
+            (low, begin), (step, tick), steps = rounded(np.concatenate([values[rows], time[rows]]), [0, len(rows)])
+            found[name] = [low, step, text(steps[:len(rows)], "<u2"), begin, tick, text(steps[len(rows):], "<u2")]
     return found

@@ -23,7 +23,8 @@ def overview(plan: Plan, results: Sequence[Results], errors: pa.Table) -> dict[s
     return {"probability": [] if swept else [
                 {"p": r.probability, "interval": r.interval, "successes": r.successes, "judged": r.judged}
                 for r in results],
-            "histograms": [histogram(results, name, plan.metrics[name].unit) for name in plan.headlines],
+            "histograms": [histogram(results, name, plan.metrics[name].unit)
+                           for name in plan.headlines if not swept],
             "envelopes": envelopes(plan, results, errors) if errors.num_rows and not swept else None,
             "sweep": sweep(plan, results) if swept else None}
 

@@ -24,13 +24,15 @@ DRIVERS = (
 OWN = ("runs", "scatter", "opened", "list", "overview", "sweep", "main")
 
 
-def page(plan: Plan, outcome: str, sections: Sequence[tuple[str, str]], data: Mapping[str, Any]) -> str:
-    """The page: `outcome` is the HTML of its head, `sections` are titles and HTML. `data` is what its scripts read."""
+def page(plan: Plan, outcome: str, sections: Sequence[tuple[str, str]], data: Mapping[str, Any],
+         before: Sequence[tuple[str, str]] = ()) -> str:
+    """The page: `outcome` is the HTML of its head; `sections` and those `before` the runs are titles and HTML. `data`
+    is what its scripts read."""
     noun = plan.subject.noun
     explore = read("explore.html").replace("{{Noun}}", noun.capitalize()).replace("{{noun}}", noun).replace(
         "{{curves}}", pages.read("curves.html").replace("{{marks}}", ""))
-    return pages.filled(f"Campaign {plan.campaign.name}", outcome, explore + "".join(map(pages.section, sections)),
-                        scripts(), data)
+    body = "".join(map(pages.section, before)) + explore + "".join(map(pages.section, sections))
+    return pages.filled(f"Campaign {plan.campaign.name}", outcome, body, scripts(), data)
 
 
 @cache

@@ -62,7 +62,8 @@ def html(store: Store, summary: dict[str, Any], results: list[Results], runs: pa
     data["overview"] = overview(plan, results, errors)
     head = outcomes(plan, summary, results) + introduction(plan) + ended(plan, summary)
     return page(plan, head + (note(there.sentence) if there.sentence else ""),
-                [*drawn(plan, summary, data["overview"]), *uncertain(plan), *lists(plan, results)], data)
+                [*drawn(plan, summary, data["overview"]), *uncertain(plan), *lists(plan, results)], data,
+                over_the_grid(plan, summary) if "grid" in summary else ())
 
 
 def about_runs(store: Store, there: shown.Shown, draws: Sequence[str], errors: pa.Table,
@@ -77,19 +78,22 @@ def about_runs(store: Store, there: shown.Shown, draws: Sequence[str], errors: p
     return {**data, "curves": curves.packed(store, there, errors)}
 
 
+def over_the_grid(plan: Plan, summary: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """The sections of a grid."""
+    return [("Over the grid", note(
+        "A cross is a run that was no success; a grey cell of a map has no finite value. The scale of a map is that of "
+        "the successes, if there are any: orange is above, light blue below it. Point at a cell to read it, click to "
+        "open its run.") + place("sweep")),
+        ("Least and greatest", html_table((plan.subject.noun, "metric", "least", "greatest"),
+                                          grid.table_rows(plan, summary["grid"])))]
+
+
 def drawn(plan: Plan, summary: Mapping[str, Any], data: Mapping[str, Any]) -> list[tuple[str, str]]:
     """The sections with tables and pictures of all runs."""
     subject = plan.subject
     parts = [(f"The {subject.noun}s side by side", place("probability") + note(f"Interval: {summary['interval']}.")
               + side_by_side(plan, summary))]
-    if data["sweep"]:
-        parts.append(("Over the grid", note(
-            "A cross is a run that was no success; a grey cell of a map has no finite value. The scale of a map is "
-            "that of the successes, if there are any: orange is above, light blue below it. Point at a cell to read "
-            "it, click to open its run.") + place("sweep")))
-        parts.append(("Least and greatest", html_table((subject.noun, "metric", "least", "greatest"),
-                                                       grid.table_rows(plan, summary["grid"]))))
-    elif table := drivers(plan, summary):
+    if not data["sweep"] and (table := drivers(plan, summary)):
         parts.append(("What drives the failures", table))
     if data["histograms"]:
         parts.append(("How far off", note("All judged runs, failures too, each as far as it flew. A dashed line is the "

@@ -101,7 +101,7 @@ ROOMS: dict[str, list[tuple[str, list[str] | None]]] = {
     ],
     "ecosystems": [
         ("cosim/ecosystems/function.py", ["system/test_function"]),
-        ("cosim/ecosystems/*.py", ["system/test_environment", "system/test_function"]),
+        ("cosim/ecosystems/*.py", ["system/test_environment -k not processes", "system/test_function"]),
     ],
     "pages": [
         ("cosim/playground/*.py", ["system/test_playground"]),

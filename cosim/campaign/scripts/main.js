@@ -3,8 +3,8 @@ function option(value, text, chosen = false) { return made("option", {value, sel
 
 function begin() {
   one("explore").hidden = false;
-  one("law").replaceChildren(...VARIANTS.map(({name}, v) => option(v, name)));
-  one("law").parentElement.hidden = VARIANTS.length < 2;
+  one("variant").replaceChildren(...VARIANTS.map(({name}, v) => option(v, name)));
+  one("variant").parentElement.hidden = VARIANTS.length < 2;
   one("beside").parentElement.hidden = VARIANTS.length < 2;
   const first = Math.max(0, PAGE.metrics.findIndex(({name}) => name === PAGE.metric));
   look_at.m = first;
@@ -15,7 +15,7 @@ function begin() {
     ...(PAGE.criteria.length > 1 ? PAGE.criteria.map(({name}, i) => option(`not ${i}`, `not met: ${name}`)) : []),
     ...(PAGE.statuses.length > 1 ? PAGE.statuses.map((how) => option(`status ${how}`, how)) : []));
   one("pick").addEventListener("submit", (event) => { event.preventDefault(); open_number(); });
-  one("law").addEventListener("change", () => { look_at.v = Number(one("law").value); listing.page = 0; scatter(); });
+  one("variant").addEventListener("change", () => { look_at.v = Number(one("variant").value); listing.page = 0; scatter(); });
   one("figure").addEventListener("change", () => { look_at.m = Number(one("figure").value); listing.page = 0; scatter(); });
   one("few").addEventListener("change", () => { look_at.few = one("few").value === "few"; scatter(); });
   one("drag").addEventListener("change", () => {

@@ -73,7 +73,7 @@ function open_run(v, place, move = true) {
     ...PAGE.metrics.map((figure, m) => [named(figure), digits(metric(v, m, place), 6)])]));
   one("number").value = FLOWN[place];
   one("opened").hidden = false;
-  if (look_at.v !== v) { one("law").value = v; look_at.v = v; scatter(); } else { ring(0, place); list(); }
+  if (look_at.v !== v) { one("variant").value = v; look_at.v = v; scatter(); } else { ring(0, place); list(); }
   draw_curves();
   opened.listeners.forEach((listener) => listener());
   if (move && one("opened").getBoundingClientRect().top > innerHeight * 0.7) one("opened").scrollIntoView({block: "start"});

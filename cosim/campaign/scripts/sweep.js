@@ -53,7 +53,7 @@ function clicking(plot, box, context, v, levels_at) {
   telling(plot, box, told);
   plot.on_event("tap", (event) => {
     const levels = levels_at(event), place = levels ? FLOWN.indexOf(context.index(levels)) : -1;
-    if (place >= 0) { open_run(v, place); one("opened").scrollIntoView({block: "nearest"}); }
+    if (place >= 0) { open_run(v, place); one("opened").scrollIntoView({block: "start"}); }
   });
 }
 
@@ -124,7 +124,7 @@ function lines_over(context) {
   telling(plot, box, (event) => { const levels = levels_of(nearest_level(event)); return cell_told(context, nearest_variant(event), index(levels), levels); });
   plot.on_event("tap", (event) => {
     const place = FLOWN.indexOf(index(levels_of(nearest_level(event))));
-    if (place >= 0) { open_run(nearest_variant(event), place); one("opened").scrollIntoView({block: "nearest"}); }
+    if (place >= 0) { open_run(nearest_variant(event), place); one("opened").scrollIntoView({block: "start"}); }
   });
   return {plots: [{title: named(figure), box, plot}], legend: key_of(colours)};
 }

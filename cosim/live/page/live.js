@@ -1,6 +1,6 @@
-const TOKEN = location.search, RETRIES = 3;
+const TOKEN = location.search, RETRIES = 3, PATIENCE = 2000;  // ms without news, as when a call of an FMU hangs
 const calm = matchMedia("(prefers-reduced-motion: reduce)");
-const state = {about: null, columns: new Map(), row: null, late: [0, 0], wanted: {}, made: [], end: null, fresh: false,
+const state = {about: null, columns: new Map(), row: null, late: [0, 0], wanted: {}, made: [], end: null, fresh: false, heard: 0,
                drawn: -Infinity, gauges: [], levers: [], charts: null, failed: 0, lost: false};
 
 function show(name) {  // how a signal is shown: its unit, and its value in that
@@ -96,6 +96,10 @@ function tell() {
 
 function draw(now) {
   requestAnimationFrame(draw);
+  if (state.row && !state.end && !state.lost && now - state.heard > PATIENCE) {
+    const text = `no new values for ${Math.floor((now - state.heard) / 1000)} s`;
+    if (one("pace").textContent !== text) one("pace").textContent = text;
+  }
   if (!state.fresh || now - state.drawn < (calm.matches ? 1000 : 45)) return;
   state.fresh = false;
   state.drawn = now;
@@ -122,7 +126,7 @@ const events = new EventSource(`events${TOKEN}`);
 events.onmessage = ({data}) => {
   const {about, rows, made: steps, wanted, late, end} = JSON.parse(data);
   if (about) begin(about);
-  Object.assign(state, {late, end, fresh: true, failed: 0, lost: false});
+  Object.assign(state, {late, end, fresh: true, failed: 0, lost: false, heard: performance.now()});
   for (const lever of state.levers) if (lever.input in wanted && !lever.waiting) lever.wanted = wanted[lever.input];
   for (const row of rows) state.charts.add(row[0], reader(row));
   if (rows.length) state.row = rows[rows.length - 1];

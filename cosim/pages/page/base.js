@@ -26,7 +26,9 @@ function numbers(text, Kind = Float32Array) {
 }
 
 function digits(value, most = 7) {
-  return Number.isFinite(value) ? String(Number(value.toPrecision(most))) : "–";
+  if (!Number.isFinite(value)) return "–";
+  return value !== 0 && Math.abs(value) < 1e-4 ? Number(value.toPrecision(4)).toExponential()
+    : String(Number(value.toPrecision(most)));
 }
 
 // Bokeh would load MathJax for what stands between these signs.
@@ -36,7 +38,7 @@ const {Document} = Bokeh.require("document");
 const models = {};
 for (const name of ["Plot", "Range1d", "LinearAxis", "LogAxis", "Grid", "Line", "VArea", "Quad", "Segment", "Scatter",
                     "GlyphRenderer", "ColumnDataSource", "BoxAnnotation", "Span", "BoxZoomTool", "PanTool", "WheelZoomTool",
-                    "SaveTool", "LinearScale", "LogScale", "BasicTickFormatter", "FixedTicker", "LogTickFormatter"])
+                    "SaveTool", "LinearScale", "LogScale", "BasicTickFormatter", "FixedTicker", "LogTickFormatter", "NoOverlap"])
   models[name] = Bokeh.Models.get(name);
 
 function scheme() {  // the colours of the page as it is now
@@ -47,9 +49,10 @@ function scheme() {  // the colours of the page as it is now
           accent: of("accent"), colours: COLOURS[name]};
 }
 
-// A plot without curves: ranges, axes, grid. An axis has a `label`, `log`, and `ticks`: [place, text] each.
+// A plot without curves: ranges, axes, grid. An axis has a `label`, `log`, `exact` (no powers
+// of ten), and `ticks`: [place, text] each.
 function frame(colours, {x, y, options = {}}) {
-  const {Plot, LinearAxis, LogAxis, Grid, LinearScale, LogScale, BasicTickFormatter, FixedTicker} = models;
+  const {Plot, LinearAxis, LogAxis, Grid, LinearScale, LogScale, BasicTickFormatter, FixedTicker, NoOverlap} = models;
   const {ink, line, paper} = colours;
   const scale = ({log}) => log ? new LogScale() : new LinearScale();
   const plot = new Plot({x_range: x.range, y_range: y.range, x_scale: scale(x), y_scale: scale(y), sizing_mode: "stretch_both",
@@ -59,11 +62,11 @@ function frame(colours, {x, y, options = {}}) {
   const text = {axis_label_text_color: ink, major_label_text_color: ink, axis_line_color: ink, major_tick_line_color: ink,
                 minor_tick_line_color: null, axis_label_text_font_style: "normal", axis_label_text_font_size: "12px",
                 major_label_text_font_size: "11px"};
-  for (const [{label, log, ticks}, place, dimension] of [[x, "below", 0], [y, "left", 1]]) {
-    const own = {...text, axis_label: plain(label || "")};
+  for (const [{label, log, ticks, exact}, place, dimension] of [[x, "below", 0], [y, "left", 1]]) {
+    const own = {...text, axis_label: plain(label || ""), major_label_policy: new NoOverlap({min_distance: 6})};
     if (ticks) Object.assign(own, {ticker: new FixedTicker({ticks: ticks.map(([at]) => at)}),
                                    major_label_overrides: new Map(ticks.map(([at, word]) => [at, plain(word)]))});
-    else if (!log) own.formatter = new BasicTickFormatter({precision: "auto", use_scientific: true, power_limit_high: 7,
+    else if (!log) own.formatter = new BasicTickFormatter({precision: "auto", use_scientific: !exact, power_limit_high: 7,
                                                            power_limit_low: -4});
     const axis = new (log ? LogAxis : LinearAxis)(own);
     plot.add_layout(axis, place);

@@ -1,5 +1,5 @@
 "use strict";  // the curves of flights: panels that share the time, and what is chosen of them
-const DEGREES = 180 / Math.PI, MAXIMUM_NAMES = 2000;
+const DEGREES = 180 / Math.PI, MAXIMUM_NAMES = 2000, LARGEST = 4e307, LONG_KEY = 12;
 let DATA = null, span = [0, 1];  // flights; from when to when (s)
 const decoded = new Map();
 function course(run, name) {  // times and values of a curve, in the unit that is shown
@@ -7,10 +7,10 @@ function course(run, name) {  // times and values of a curve, in the unit that i
   if (!packed) return null;
   const key = `${run}/${state.angles}/${name}`;
   if (!decoded.has(key)) {
-    const factor = shownUnit(DATA.signals[name].unit)[1], start = DATA.runs[run].start;
+    const factor = shownUnit(DATA.signals[name].unit)[1], start = DATA.runs[run].start, scale = packed.scale ?? 1;
     decoded.set(key, packed.values ? {x: packed.times, y: packed.values.map((v) => factor * v)}
       : {x: Float64Array.from(numbers(packed.t), (t) => start + t),
-         y: Float64Array.from(numbers(packed.y), (v) => factor * (packed.base + v))});
+         y: Float64Array.from(numbers(packed.y), (v) => factor * scale * (packed.base / scale + v))});
   }
   return decoded.get(key);
 }
@@ -38,6 +38,11 @@ function valueAt({x, y}, t) {
   if (i < 0 || t > x[x.length - 1] + 1e-9) return NaN;
   if (i === x.length - 1) return y[i];
   return y[i] + (y[i + 1] - y[i]) * (t - x[i]) / (x[i + 1] - x[i] || 1);
+}
+
+function seconds(t) {  // as exact as the picture, however far from 0
+  const decimals = Math.ceil(6 - Math.log10(span[1] - span[0] || 1));
+  return String(Number(t.toFixed(Math.min(Math.max(decimals, 0), 20))));
 }
 
 function united(kind) {  // the marks of a kind, those of all flights in one: shades over each other would darken
@@ -72,15 +77,17 @@ function marksOf(plot) {
 }
 
 function panelPlot(panel, curves, colours) {
-  const {Range1d, Line, GlyphRenderer, ColumnDataSource, BoxZoomTool, PanTool, WheelZoomTool, SaveTool, Span} = models;
-  const plot = frame(colours, {x: {range: state.range, label: "time (s)"},
+  const {Range1d, Line, Scatter, GlyphRenderer, ColumnDataSource, BoxZoomTool, PanTool, WheelZoomTool, SaveTool, Span} = models;
+  const plot = frame(colours, {x: {range: state.range, label: "time (s)", exact: true},
                                y: {range: new Range1d({start: 0, end: 1}), label: panel.unitShown}});
   marksOf(plot);
-  for (const curve of curves)
+  for (const {course, colour, dash, width} of curves) {
+    const place = {x: {field: "x"}, y: {field: "y"}, line_color: colour};
     plot.add_renderers(new GlyphRenderer({
-      data_source: new ColumnDataSource({data: curve.course}),
-      glyph: new Line({x: {field: "x"}, y: {field: "y"}, line_color: curve.colour, line_dash: curve.dash,
-                       line_width: curve.width})}));
+      data_source: new ColumnDataSource({data: course}),
+      glyph: course.x.length > 1 ? new Line({...place, line_dash: dash, line_width: width})
+        : new Scatter({...place, fill_color: colour, size: 8})}));
+  }
   const cursor = new Span({location: span[0], dimension: "height", line_color: colours.ink, line_width: 1, line_dash: [3, 3],
                            visible: false, level: "overlay"});
   plot.add_layout(cursor);
@@ -114,13 +121,13 @@ async function draw() {
     names.forEach((name, i) => DATA.runs.forEach((run, r) => {
       const found = course(r, name), packed = run.curves[name];
       if (!found) return;
-      const same = curves.find((c) => c.name === name && c.packed.y === packed.y && c.packed.t === packed.t
-                                      && c.packed.base === packed.base);
+      const same = packed.y && curves.find((c) => c.name === name && c.packed.y === packed.y && c.packed.t === packed.t
+                                      && c.packed.base === packed.base && c.packed.scale === packed.scale);
       if (same) { same.runs.push(run.name); return; }  // not the same curve over itself
-      const kind = several ? r : i;
+      const kind = several ? r : i, again = Math.floor(r / colours.length);  // how often all colours were used before
       curves.push({name, packed, runs: [run.name], course: found, colour: colours[kind % colours.length],
-                   dash: LINES[(several && names.length > 1 ? i : kind) % LINES.length], width: several || i === 0 ? 1.8 : 1.6,
-                   output: made("output")});
+                   dash: LINES[(several && names.length > 1 ? i + again * names.length : kind) % LINES.length],
+                   width: several || i === 0 ? 1.8 : 1.6, output: made("output")});
     }));
     for (const curve of curves)
       curve.label = !several || curve.runs.length === DATA.runs.length ? curve.name : `${curve.runs.join(", ")}: ${curve.name}`;
@@ -130,7 +137,8 @@ async function draw() {
     panels.push({...shown, box});
     const described = `${panel.title}: ${curves.map((c) => c.label).join(", ")}${units.length ? `, in ${units.join(", ")}` : ""}`;
     figures.push(made("figure", {"aria-label": described}, made("h3", {}, panel.title + (units.length ? ` (${units.join(", ")})` : "")),
-                      made("ul", {class: "key"}, ...curves.map((curve) => made("li", {title: DATA.signals[curve.name].description},
+                      made("ul", {class: "key", tabindex: curves.length > LONG_KEY && "0"},
+                        ...curves.map((curve) => made("li", {title: DATA.signals[curve.name].description},
                         swatch(curve), made("span", {}, curve.label), curve.output))), box));
   }
   one("charts").replaceChildren(...figures);
@@ -145,8 +153,8 @@ async function draw() {
 let drawn = 0;
 
 function tellRange() {
-  one("from").value = digits(state.range.start);
-  one("to").value = digits(state.range.end);
+  one("from").value = seconds(state.range.start);
+  one("to").value = seconds(state.range.end);
 }
 
 function fitSoon() {  // once the tool that changes the time is done with all ranges
@@ -165,6 +173,7 @@ function fit() {  // each panel's values fill it, within the time that is shown
       for (let i = first; i <= last; i++) if (Number.isFinite(y[i])) { low = Math.min(low, y[i]); high = Math.max(high, y[i]); }
     }
     if (low > high) [low, high] = [0, 1];
+    [low, high] = [Math.max(low, -LARGEST), Math.min(high, LARGEST)];
     const room = (high - low) * 0.06 || Math.abs(high) * 0.05 || 1;
     plot.y_range.setv({start: low - room, end: high + room});
   }
@@ -172,7 +181,7 @@ function fit() {  // each panel's values fill it, within the time that is shown
 
 function look(t) {  // what the curves are at a time, beside their names
   const there = t !== null && t >= span[0] && t <= span[1];
-  if (document.activeElement !== one("at")) one("at").value = there ? digits(t) : "";
+  if (document.activeElement !== one("at")) one("at").value = there ? seconds(t) : "";
   for (const {curves, cursor} of state.panels) {
     cursor.setv({visible: there, location: there ? t : span[0]});
     for (const curve of curves) curve.output.textContent = there ? digits(valueAt(curve.course, t)) : "";
@@ -180,7 +189,7 @@ function look(t) {  // what the curves are at a time, beside their names
   const texts = DATA.runs.flatMap((run) => run.marks.filter((m) => !state.hidden.has(m.kind) && there && (
     m.end === null ? Math.abs(t - m.begin) < (state.range.end - state.range.start) / 200 : m.begin <= t && t <= m.end))
     .map((m) => m.text));
-  one("now").textContent = there ? `At ${digits(t)} s: ${[...new Set(texts)].join("; ") || "nothing is marked"}.` : "";
+  one("now").textContent = there ? `At ${seconds(t)} s: ${[...new Set(texts)].join("; ") || "nothing is marked"}.` : "";
 }
 
 function zoom() {
