@@ -50,8 +50,9 @@ demo: .venv/flying
 	$(BIN)/ahv compare docs/scenarios/uncertain.yaml --controller neural --controller resilient --flavour python || test $$? -eq 1
 	@echo "The figures are in results/run/case1/figures and results/compare/uncertain. 'make build' adds the native FMUs, which need no Python."
 
+# A file at a time, in their order: the small ones of tests/unit come last, so that both workers end together.
 test: build
-	$(BIN)/python -m pytest -n 2 --dist loadfile -m 'not slow and not peers'
+	$(BIN)/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder -m 'not slow and not peers'
 
 lint: setup
 	$(BIN)/ruff check .

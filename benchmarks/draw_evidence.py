@@ -30,7 +30,7 @@ from claims import (  # noqa: E402
 )
 from evidence import Loaded, fly, summary  # noqa: E402
 from exact_linear import GROUPS, linear_loop  # noqa: E402
-from studies import NOISE, SENSORS, ablation, envelope, limits  # noqa: E402
+from studies import NOISE, SENSORS, ablation, envelope, flown_beside, limits  # noqa: E402
 
 from ahv_ctrl_fmu import backstepping_model, neural_model  # noqa: E402
 from ahv_ctrl_fmu.neural_model import PRESETS  # noqa: E402
@@ -51,6 +51,7 @@ STRUCTURES = {"decoupled": {}, "printed sign": {"psi_1": -363.5, "psi_2": 328.8}
 ERRORS = (("V error", "ft/s", lambda f: f["plant.V"] - f["controller.V_reference"]),
           ("h error", "ft", lambda f: f["plant.h"] - f["controller.h_reference"]))
 WIDTH = pictures.WIDTHS[2]
+STARTS = 21  # flights of each delay and each noise, which start a last bit of V apart
 
 
 def save(figure, name):
@@ -108,7 +109,8 @@ def differentiator():
     shapes = {"printed": (RED, "x"), "steady": (BLUE, "s"), "calibrated": (BLACK, "^")}
     for name, (colour, mark) in shapes.items():
         poles = differentiator_poles(PRESETS[name])
-        axis.plot(poles.real, poles.imag, mark, color=colour, label=name, fillstyle="none", markersize=7)
+        label = f"{name} (all four at −1)" if np.ptp(poles.real) < 0.01 else name
+        axis.plot(poles.real, poles.imag, mark, color=colour, label=label, fillstyle="none", markersize=7)
     axis.axvline(0, color="k", linewidth=0.8)
     axis.set(xlabel="real part / R (1)", ylabel="imaginary part / R (1)", title="Poles of the differentiator (13)")
     axis.legend()
@@ -160,7 +162,8 @@ def margins():
     figure, axes = plt.subplots(2, 2, figsize=(WIDTH, 5.4), sharex=True, sharey="row")
     result = {}
     omega = frequencies(0.01)
-    for (law, (_, model, preset)), line in zip(LAWS.items(), styled(len(LAWS))):
+    # Where marks coincide, the larger are seen around the smaller.
+    for (law, (_, model, preset)), line, size in zip(LAWS.items(), styled(len(LAWS)), (8.5, 6.0, 3.5)):
         loop = linear_loop(plant, model, model.PRESETS[preset], 7700, 85000)
         result[law] = {name: margins_at(cut).as_dict() for name, cut in loop.cuts().items()}
         for column, place in enumerate(({"actuator": 1}, {"sensor": 2})):
@@ -175,9 +178,9 @@ def margins():
             crossing = crossings(omega, np.abs(curve))
             phase -= 360 * np.round((phase[crossing[-1]] + 180) / 360) if len(crossing) else 0
             axes[1, column].semilogx(omega, phase, **line)
-            mark_margins(axes[:, column], omega, np.abs(curve), phase, line["color"])
+            mark_margins(axes[:, column], omega, np.abs(curve), phase, line["color"], size)
     for column, title in enumerate(("cut at the elevator", "cut at the sensor of γ")):
-        axes[0, column].set(title=f"Open loop, {title}", ylim=(1e-3, 1e2))
+        axes[0, column].set(title=f"Open loop, {title}", ylim=(1e-2, 1e2))
         axes[0, column].axhline(1, color="k", linewidth=0.8)
         axes[1, column].axhline(-180, color="k", linewidth=0.8)
         axes[1, column].set(xlabel="frequency (rad/s)", xlim=(0.05, 314), ylim=(-630, 0), yticks=range(-540, 1, 180))
@@ -194,16 +197,16 @@ def crossings(omega, size):
     return np.flatnonzero(np.diff(np.sign(np.log(size))))
 
 
-def mark_margins(axes, omega, size, phase, colour):
-    """Marks for the smallest phase margin, at a gain of one, and the smallest gain margin each way, at -180 degrees or
-    whole turns from there; `axes` are those of the gain and of the phase (deg)."""
+def mark_margins(axes, omega, size, phase, colour, points):
+    """Marks of `points` for the smallest phase margin, at a gain of one, and the smallest gain margin each way, at -180
+    degrees or whole turns from there; `axes` are those of the gain and of the phase (deg)."""
     def crossed(rows, values, level):
         share = (level - values[rows]) / (values[rows + 1] - values[rows])
         return lambda curve: curve[rows] + share * (curve[rows + 1] - curve[rows])
 
     def mark(kind, x, gain, angle):
-        axes[0].plot(x, gain, kind, color=colour, markersize=5)
-        axes[1].plot(x, angle, kind, color=colour, markersize=5)
+        for axis, y in zip(axes, (gain, angle)):
+            axis.plot(x, y, kind, color=colour, markersize=points, markeredgecolor="w", markeredgewidth=0.6, zorder=3)
 
     def nearest(at, amounts, chosen, kind):
         if chosen.any():
@@ -238,8 +241,8 @@ def boundedness():
     axes[2].axhline(found.velocity.phi_radius, color=RED, linestyle=":", label="bound of (35) for φ = 0")
     axes[2].set(ylabel="$\\hat\\varphi$ (1/s)", xlabel="time (s)")
     for axis in axes:
-        axis.legend(loc="best", fontsize="small")
-        axis.grid(alpha=0.3)
+        axis.legend(loc="center right" if axis is axes[2] else "upper right", frameon=True, edgecolor="0.6")
+        axis.set_xlim(t[0], t[-1])
     figure.suptitle("Case 2, calibrated: what the theorems bound")
     save(figure, "boundedness")
     return {case: {name: vars(channel) for name, channel in vars(bounds(case, "calibrated")).items()}
@@ -288,19 +291,26 @@ def hold():
 
 def instruments():
     delays, factors = np.arange(0, 100, 5), np.geomspace(0.01, 30, 15)
-    figure, axes = plt.subplots(1, 2, figsize=(WIDTH, 3.2), layout="constrained")
+    figure, axes = plt.subplots(1, 2, figsize=(WIDTH, 3.4), layout="constrained")
     result = {}
     for (name, (law, _, preset)), line, mark in zip(LAWS.items(), styled(len(LAWS)), MARKS):
-        result[name] = limits(law, preset)
+        result[name] = {**limits(law, preset), "kept": {}}
         with Loaded(law, preset, "instrumented") as loaded:
-            late = [summary(loaded.fly("case1", {"plant": {f"{s}_delay": float(d) / 1000 for s in SENSORS}}))
-                    for d in delays]
-            loud = [summary(loaded.fly("case1", {"plant": {n: float(f) * v for n, v in NOISE.items()}}))
-                    for f in factors]
-        for axis, xs, flown, what in ((axes[0], delays, late, "h"), (axes[1], factors, loud, "travel")):
-            kept = list(takewhile(lambda f: f.survived, flown))
-            axis.plot(xs[:len(kept)], [getattr(f, what) for f in kept], marker=mark, label=name, **line)
-    axes[0].set(xlabel="delay of all sensors (ms)", ylabel="max altitude error in Case 1 (ft)", yscale="log")
+            for axis, what, xs, plant in (
+                    (axes[0], "h", delays, lambda ms: {f"{s}_delay": float(ms) / 1000 for s in SENSORS}),
+                    (axes[1], "travel", factors, lambda f: {n: float(f) * size for n, size in NOISE.items()})):
+                flown = (flown_beside(loaded, plant(x), STARTS) for x in xs)
+                kept = list(takewhile(bool, ([f for f in starts if f.survived] for starts in flown)))
+                middle = [np.median([getattr(f, what) for f in flights]) for flights in kept]
+                axis.plot(xs[:len(kept)], middle, label=name, marker=mark, markevery=[len(f) == STARTS for f in kept],
+                          **line)
+                for x, y, flights in zip(xs, middle, kept):
+                    if len(flights) < STARTS:
+                        axis.plot(x, y, mark, color=line["color"], markerfacecolor="w", markersize=6)
+                        axis.annotate(f"{len(flights)}", (x, y), (6, -2), textcoords="offset points", fontsize=7)
+                result[name]["kept"][what] = {f"{x:.3g}": len(flights) for x, flights in zip(xs, kept)}
+    axes[0].set(xlabel="delay of all sensors (ms)", ylabel="max altitude error in Case 1 (ft)", yscale="log",
+                xlim=(-3, 83))
     axes[1].set(xlabel="factor on the noise (1)", ylabel="elevator travel in Case 1 (deg in 100 s)", xscale="log",
                 yscale="log")
     axes[0].yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
@@ -308,7 +318,8 @@ def instruments():
         axis.set_major_formatter(number)
         axis.set_minor_formatter("")
     axes[1].set_title("noise at factor 1: 0.1 ft/s, 0.3 ft, 2e-5 rad, 2e-4 rad/s rms", fontsize=7)
-    axes[0].set_title("a curve ends before the first flight that is lost", fontsize=7)
+    axes[0].set_title(f"hollow, with a number: so many of {STARTS} flights are kept\n"
+                      "a curve ends before the first delay or noise that none survives", fontsize=7)
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
     save(figure, "instruments")
     return result

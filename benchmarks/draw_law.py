@@ -26,7 +26,7 @@ from ahv_ctrl_fmu.resilient import SECTIONS, section_gains  # noqa: E402
 from ahv_ctrl_fmu.sections import section  # noqa: E402
 from cosim import pictures  # noqa: E402
 from cosim.analysis.margins import margins, response  # noqa: E402
-from cosim.pictures import BLACK, BLUE, ORANGE, RED  # noqa: E402
+from cosim.pictures import BLUE, ORANGE, RED  # noqa: E402
 from fmus import floats  # noqa: E402
 
 PICTURES = HERE.parent / "docs" / "pictures"
@@ -93,9 +93,11 @@ def maps(count=800):
         found = [summary(flight) for flight in flights(count, preset, law=law)]
         kept = np.array([f.survived for f in found])
         within = kept & (np.array([f.h for f in found]) < 20)
-        for which, hue, mark, label in ((~kept, RED, "x", "lost"), (within, BLUE, ".", "within 20 ft"),
-                                        (kept & ~within, ORANGE, "^", "kept, more than 20 ft")):
-            axis.plot(*phases[which][:, [1, 3]].T, mark, color=hue, markersize=2.5, markeredgewidth=0.6, label=label)
+        for which, hue, mark, size, label in ((~kept, RED, "x", 2.5, "lost"), (within, BLUE, ".", 2.5, "within 20 ft"),
+                                              (kept & ~within, ORANGE, "^", 4, "kept, more than 20 ft")):
+            edge = "k" if mark == "^" else hue
+            axis.plot(*phases[which][:, [1, 3]].T, mark, color=hue, markersize=size, markeredgewidth=0.6,
+                      markeredgecolor=edge, label=label)
         counts = f"lost {(~kept).sum()}, kept {(kept & ~within).sum()}, within {within.sum()}"
         axis.set(title=f"{name}\n{counts}", xlabel="phase of lift at t = 0 (deg)", xlim=(-180, 180), ylim=(-180, 180),
                  xticks=range(-180, 181, 90), yticks=range(-180, 181, 90))
@@ -190,36 +192,50 @@ def filter_response(gains, omega, step=0.01):
 
 
 def structures():
-    """Preset `coupled` at the elevator: its filter, and the loop on each structure."""
+    """Preset `coupled` at the elevator: its filter, and the loop on each structure, as it is and with modes that are
+    10 % lower or higher."""
     omega = np.geomspace(0.3, np.pi / 0.01, 1500)
     gains = resilient_model.PRESETS["coupled"]
-    figure, axes = plt.subplots(1, 2, figsize=(WIDTH, 2.8))
+    figure = plt.figure(figsize=(WIDTH, 4.6), layout="constrained")
+    axes = figure.subplot_mosaic([["filter"] * 3 + ["loops"] * 3, *[[name for name in STRUCTURES for _ in range(2)
+                                                                     if STRUCTURES[name]]]])
     size = np.abs(filter_response(gains, omega))
-    axes[0].loglog(omega, size, "-", color=BLUE)
-    axes[0].set(title="filter of the moment demand", ylabel="|F| (1)", ylim=(1e-2, 3))
+    axes["filter"].loglog(omega, size, "-", color="0.5")
     result = {"largest |F| above 35 rad/s": float(size[omega > 35].max())}
-    for (name, plant), hue in zip(STRUCTURES.items(), (BLACK, BLUE, ORANGE, RED)):
-        for factor, line in ((1.0, "-"), (0.9, ":"), (1.1, "--")):
+    shifts = {1.0: "modes as they are", 0.9: "10 % lower", 1.1: "10 % higher"}
+    for (name, plant), line, mark in zip(STRUCTURES.items(), pictures.styled(len(STRUCTURES)), pictures.MARKS):
+        for (factor, shift), look in zip(shifts.items(), pictures.styled(len(shifts))):
             if factor != 1 and not plant:
                 continue
             cut = linear_loop(vehicle, resilient_model, gains, 7700.0, 85000.0,
                               parameters={**plant, **modes(factor)}).cut(actuator=1)
             loop = -response(cut.A, cut.B, cut.C, cut.D, omega, cut.step)[:, 0, 0]
-            axes[1].loglog(omega, np.abs(loop), line, color=hue, linewidth=1.5 if factor == 1 else 0.8,
-                           label=name if factor == 1 else None)
             result[f"{name}, mode frequencies x {factor:g}"] = margins(omega, loop).as_dict()
+            if factor == 1:
+                axes["loops"].loglog(omega, np.abs(loop), label=name, **line)
+            if plant:
+                axes[name].loglog(omega, np.abs(loop), label=shift, **look)
             if factor == 1 and plant:
                 poles = linear_vehicle(vehicle, 7700.0, 85000.0, **plant).poles
                 found = [float(abs(p)) for p in poles if p.imag > 5]
                 result[f"{name}, modes (rad/s)"] = [round(at, 2) for at in found]
-                for at in found:
-                    axes[0].axvline(at, color=hue, linewidth=0.8, linestyle=":")
-    axes[1].set(title="loop cut at the elevator", ylabel="gain (1)", ylim=(1e-2, 10))
-    axes[1].legend()
-    for axis in axes:
+                axes["filter"].plot(found, np.abs(filter_response(gains, np.array(found))), mark, color=line["color"],
+                                    fillstyle="none", label=f"modes, {name}", markersize=6)
+    axes["filter"].set(title="filter of the moment demand", ylabel="|F| (1)", ylim=(1e-2, 3))
+    axes["loops"].set(title="loop cut at the elevator", ylabel="gain (1)", ylim=(1e-2, 10))
+    for name in ("filter", "loops"):
+        axes[name].legend(loc="lower left")
+    for name, plant in STRUCTURES.items():
+        if plant:
+            axes[name].set(title=name, xlim=(8, 50), ylim=(1e-2, 5), xticks=(10, 20, 50))
+            axes[name].xaxis.set_major_formatter(pictures.number)
+            axes[name].xaxis.set_minor_formatter("")
+    first = next(name for name, plant in STRUCTURES.items() if plant)
+    axes[first].set_ylabel("gain (1)")
+    figure.legend(*axes[first].get_legend_handles_labels(), loc="outside lower center", ncols=3)
+    for axis in axes.values():
         axis.axhline(1, color="0.5", linewidth=0.8)
         axis.set_xlabel("frequency (rad/s)")
-        axis.grid(alpha=0.3, which="both")
     save(figure, "structures")
     return result
 

@@ -1,4 +1,7 @@
-"""Time per tick of our master and of others on the same SSP: `ahv bench masters [--json]`.
+"""Time per tick of our master and of others on the same SSP: `ahv bench masters [--json] [--out DIR]`.
+
+The figures go to masters.json in DIR (results/bench), and masters.png draws what is in that file. What stands in docs/
+is made by `ahv bench masters --out docs/pictures`; with `--from docs/pictures/masters.json` it is only drawn.
 
 Each measurement is a process of its own, and rounds take turns, so that a busy machine is busy for all. Every master
 is driven the fastest way it has: many ticks a call where there is one. Ours records all connected outputs, the others
@@ -174,7 +177,8 @@ def summary(figures: list) -> dict:
 
 
 def draw(result: dict[str, dict], path: Path) -> None:
-    """Dots for the medians, with the least and the most: a bar has no foot on a logarithmic axis."""
+    """Dots for the medians, with the least and the most: a bar has no foot on a logarithmic axis. A master without a
+    figure is named all the same."""
     from matplotlib.figure import Figure
 
     from cosim import pictures
@@ -183,18 +187,19 @@ def draw(result: dict[str, dict], path: Path) -> None:
         figure = Figure(figsize=(pictures.WIDTHS[2], 1.35 * len(result) + 0.4), layout="constrained")
         axes = figure.subplots(len(result), 1, sharex=True)
         for axis, (system, rows) in zip(axes, result.items()):
-            shown = {name: row for name, row in rows.items() if "us" in row}
-            values = [row["us"] for row in shown.values()]
-            spread = [[row["us"] - row["least_us"] for row in shown.values()],
-                      [row["most_us"] - row["us"] for row in shown.values()]]
-            axis.errorbar(values, list(shown), xerr=spread, fmt="o", color=pictures.BLUE, markersize=5, capsize=3)
-            for place, value in enumerate(values):
-                axis.annotate(f"{value:.3g} µs", (value, place), (0, 6), textcoords="offset points", ha="center",
-                              fontsize=7)
-            axis.set(xscale="log", title=system, ylim=(len(shown) - 0.5, -0.7))
+            for place, row in enumerate(rows.values()):
+                if "us" not in row:
+                    axis.text(0.01, place, "gave no result", transform=axis.get_yaxis_transform(),
+                              va="center", fontsize=7)
+                    continue
+                spread = [[row["us"] - row["least_us"]], [row["most_us"] - row["us"]]]
+                axis.errorbar(row["us"], place, xerr=spread, fmt="o", color=pictures.BLUE, markersize=5, capsize=3)
+                axis.annotate(f"{row['us']:.3g} µs", (row["us"], place), (0, 6), textcoords="offset points",
+                              ha="center", fontsize=7)
+            axis.set(xscale="log", title=system, ylim=(len(rows) - 0.5, -0.7))
+            axis.set_yticks(range(len(rows)), list(rows))
             axis.xaxis.set_major_formatter(pictures.number)
         axes[-1].set_xlabel("time per communication step (µs), median and spread of the rounds")
-        path.parent.mkdir(parents=True, exist_ok=True)
         pictures.save(figure, path)
 
 
@@ -219,19 +224,25 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--one", nargs=4, metavar=("MASTER", "SSP", "STEP", "TICKS"))
     parser.add_argument("--rounds", type=int, default=ROUNDS)
+    parser.add_argument("--out", type=Path, default=OUT, metavar="DIR")
+    parser.add_argument("--from", type=Path, dest="measured", metavar="FILE", help="draw this masters.json again")
     parser.add_argument("--json", action="store_true")
     words = parser.parse_args()
     if words.one:
         name, ssp, step, ticks = words.one
         print(json.dumps(MASTERS[name][0](Path(ssp), float(step), int(ticks))), flush=True)
         return
-    result = compare(words.rounds)
-    draw(result, OUT / "masters.png")
+    words.out.mkdir(parents=True, exist_ok=True)
+    measured, figure = words.measured or words.out / "masters.json", words.out / "masters.png"
+    if words.measured is None:
+        measured.write_text(json.dumps(compare(words.rounds), indent=1) + "\n")
+    result = json.loads(measured.read_text())
+    draw(result, figure)
     if words.json:
-        print(json.dumps({"masters": result, "figure": str(OUT / "masters.png")}))
+        print(json.dumps({"masters": result, "figure": str(figure)}))
     else:
         show(result)
-        print(f"Figure: {OUT / 'masters.png'}")
+        print(f"Figure: {figure}")
 
 
 if __name__ == "__main__":

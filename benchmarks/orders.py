@@ -122,6 +122,7 @@ def draw(results: dict, path: Path) -> None:
             above.set(title=title, xscale="log", yscale="log")
             below.set(xlabel="communication step (ms)", yscale="log")
             below.set_xticks(ms, [f"{step:g}" for step in ms])
+            below.set_xlim(0.75 * ms[0], 1.2 * ms[-1])  # room for the numbers of the grey lines
             below.xaxis.set_minor_locator(NullLocator())
             below.legend(*above.get_legend_handles_labels(), title="slope (grey lines: 1 and 2)", loc="upper center",
                          bbox_to_anchor=(0.5, -0.3))

@@ -4,6 +4,8 @@ Folders and files are called by these names, so a name is never a path, and noth
 system takes for more than a name.
 """
 import re
+from collections import Counter
+from collections.abc import Iterable
 
 from .errors import UsageError
 
@@ -23,6 +25,13 @@ def checked(text: str) -> str:
     if not is_name(text):
         raise ValueError(f"the name {shortened(text)} is not allowed: {RULE}")
     return text
+
+
+def distinct(many: str, given: Iterable[str]) -> None:
+    """Raises ValueError for a name that two of the `many` have."""
+    for name, count in Counter(given).items():
+        if count > 1:
+            raise ValueError(f"two {many} are called {name}: give each a name of its own")
 
 
 def named(what: str, text: str) -> str:

@@ -31,15 +31,19 @@ DOTS = 150  # an inch, in png
 STYLE: dict[str, Any] = {
     "font.size": 8, "axes.titlesize": 8, "axes.labelsize": 8, "xtick.labelsize": 7, "ytick.labelsize": 7,
     "legend.fontsize": 7, "legend.title_fontsize": 7, "figure.titlesize": 8, "legend.frameon": False,
-    "legend.handlelength": 2.6, "axes.grid": True, "grid.alpha": 0.3, "grid.linewidth": 0.5, "axes.linewidth": 0.6,
-    "lines.linewidth": 1.2, "lines.markersize": 3.5, "axes.formatter.useoffset": False, "savefig.dpi": DOTS,
+    "legend.handlelength": 2.6, "axes.grid": True, "axes.axisbelow": True, "grid.alpha": 0.3, "grid.linewidth": 0.5,
+    "axes.linewidth": 0.6, "lines.linewidth": 1.2, "lines.markersize": 3.5, "axes.formatter.useoffset": False,
+    "savefig.dpi": DOTS,
     "pdf.fonttype": 42,        # TrueType, which journals accept
+    "svg.fonttype": "none",    # text stays text
     "svg.hashsalt": "cosim",   # the same picture gives the same file
 }
 TIGHT: dict[str, Any] = {"borderaxespad": 0.1, "borderpad": 0.1, "labelspacing": 0.15, "columnspacing": 1.0,
                          "handletextpad": 0.4}
 LETTER = 0.056  # inches, mean width of a letter of 7 points
-LEFT = 0.68     # inches, for tick labels as long as -1.25e-29
+DIGIT = 0.062   # inches
+LINE = 0.12     # inches, height of a line of a legend
+LEFT = 0.68     # inches, for tick labels as long as -1.25e-29; longer ones take from the axes
 
 
 @dataclass(frozen=True)
@@ -68,7 +72,7 @@ class Curve(NamedTuple):
 
 
 REFERENCE = {"color": "0.65", "linewidth": 3.2, "linestyle": "-"}   # seen on both sides of a curve that follows it
-COMMAND = {"color": "0.25", "linewidth": 0.9, "linestyle": (0, (1, 1.5))}
+COMMAND = {"color": "0.25", "linewidth": 0.6, "linestyle": "-"}   # much thinner than all curves
 
 
 @dataclass(frozen=True)
@@ -129,13 +133,13 @@ def over_time(panels: Sequence[Panel], title: str, columns: int = 2, zoom: tuple
     each = (width - LEFT * across - 0.12) / across
     heading = fill(title, int(width / LETTER * 0.9)) if title else ""
     shared = len(panels) > 1 and len({names_of(panel, plain=True) for panel in panels} | {()}) == 2
-    gaps = [0.24 + 0.15 * (0 if shared else legend_lines(panel, each)) for panel in panels]
+    gaps = [max(0.27, 0.16 + LINE * (0 if shared else legend_lines(panel, each))) for panel in panels]
     block = sum(gaps) + sum(panel.height for panel in panels) + 0.38
     fullest = max(panels, key=lambda panel: len(names_of(panel)))
     top = 0.06 + 0.15 * len(heading.splitlines())
     place = top
     if shared:
-        top += 0.15 * -(-len(names_of(fullest)) // legend_columns(fullest, width - 0.2))
+        top += LINE * -(-len(names_of(fullest)) // legend_columns(fullest, width - 0.2))
     height = top + block * (len(spans) // across)
     with style():
         figure = (kind or Figure)(figsize=(width, height))
@@ -156,7 +160,17 @@ def over_time(panels: Sequence[Panel], title: str, columns: int = 2, zoom: tuple
                 axis.tick_params(bottom=panel is panels[-1], labelbottom=panel is panels[-1])
             axis.set_xlabel("time (s)", labelpad=1)
         figure.text(0.5, 1 - 0.05 / height, heading, ha="center", va="top")
+        lacking = (max(map(longest_tick, figure.axes)) * DIGIT + 0.17 - LEFT) / width
+        for axis in figure.axes if lacking > 0 else ():
+            left, low, across, high = axis.get_position().bounds
+            axis.set_position((left + lacking, low, across - lacking, high))
     return figure
+
+
+def longest_tick(axis: "Axes") -> int:
+    """Letters of the longest label of a tick on the y axis."""
+    low, high = sorted(axis.get_ylim())
+    return max((len(number(place)) for place in axis.get_yticks() if low <= place <= high), default=0)
 
 
 def fill_axes(axis: "Axes", panel: Panel, span: tuple[float, float] | None) -> None:

@@ -4,6 +4,7 @@ import ctypes
 import os
 import signal
 import sys
+import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -15,6 +16,24 @@ def prctl(option: int, value: int) -> None:
     """Linux's prctl; nothing elsewhere."""
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(option, value, 0, 0, 0)
+
+
+def as_worker() -> None:
+    """Make this process, which multiprocessing began, a worker: Ctrl-C is for the parent, and the worker does not
+    outlive it, not even in an FMU's call."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    prctl(PARENT_DEATH, signal.SIGKILL)
+    threading.Thread(target=end_with_parent, daemon=True).start()
+
+
+def end_with_parent() -> None:
+    """Wait for the end of the parent process, then end this one."""
+    from multiprocessing import parent_process
+
+    parent = parent_process()
+    assert parent is not None
+    parent.join()
+    os._exit(1)
 
 
 def end_all() -> None:

@@ -14,7 +14,8 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle, FancyBboxPatch
 
 SCALE = 0.92  # inches for each unit of the tables
-COLOURS = {"block": "#eef3f9", "learns": "#fdf0d5", "limit": "#f3e3e3"}
+# Colour and frame (style, width in points): the frame tells the kinds apart in grey.
+KINDS = {"block": ("#eef3f9", "-", 0.9), "learns": ("#fdf0d5", "-", 2.2), "limit": ("#f3e3e3", "--", 1.2)}
 RADIUS = 0.16  # of a summing point
 
 
@@ -46,7 +47,7 @@ NEURAL: tuple[dict[str, Block], list[Arrow]] = ({
     "ad1": Block(4.35, 5.3, 1.6, "Adapted\nparameter $\\hat\\varphi_1$", "(27)", "learns"),
     "net1": Block(6.75, 5.3, 1.9, "Network 1: $\\Phi_1$", "(26)", "learns"),
     "V1": Block(3.35, 6.1, 0.3, "$V$", kind="text"),
-    "X1": Block(8.6, 5.3, 0.8, "$V,\\ \\Phi_0$", kind="text"),
+    "X1": Block(8.75, 5.3, 1.2, "$V,\\ \\Phi_0,\\ \\tilde V$", kind="text"),
 
     "hc": Block(0.25, 3.6, 0.9, "$h_{command}$", kind="text"),
     "ref2": Block(1.75, 3.6, 1.5, "Reference\nfilter", "(67)"),
@@ -66,10 +67,10 @@ NEURAL: tuple[dict[str, Block], list[Arrow]] = ({
     "de": Block(10.75, 0.0, 0.4, "$\\delta_e$", kind="text"),
     "net2": Block(4.1, -1.5, 1.9, "Network 2: $\\delta_{e1}$", "(56)", "learns"),
     "ad2": Block(1.6, -1.5, 1.6, "Adapted\nparameter $\\hat\\varphi_2$", "(57)", "learns"),
-    "X2": Block(6.2, -1.5, 1.2, "$\\gamma,\\ \\theta,\\ Q,\\ \\delta_{e0}$", kind="text"),
+    "X2": Block(6.35, -1.5, 1.5, "$\\gamma,\\ \\theta,\\ Q,\\ \\delta_{e0},\\ \\hat E$", kind="text"),
 }, [
     ("Vc.e", "ref1.w", "", None, "", False),
-    ("ref1.e", "sum1.w", "$V_{ref}$", (2.85, 7.15), "", False),
+    ("ref1.e", "sum1.w", "$V_{ref}$   $-$", (2.93, 7.15), "", False),
     ("ref1.n", "pi.n-0.45", "$\\dot V_{ref}$", (2.9, 7.95), "y7.8", False),
     ("V1.n", "sum1.s", "", None, "", False),
     ("sum1.e", "pi.w", "$\\tilde V$", (3.8, 7.15), "", False),
@@ -78,7 +79,8 @@ NEURAL: tuple[dict[str, Block], list[Arrow]] = ({
     ("gain1.e", "lim1.w", "", None, "", False),
     ("lim1.e", "Phi.w", "", None, "", False),
     ("net1.n", "sum2.s", "$-$", (6.9, 6.65), "", False),
-    ("ad1.e", "net1.w", "", None, "", False),
+    ("ad1.e+0.2", "net1.w+0.2", "$\\hat\\varphi_1$", (5.48, 5.65), "", False),
+    ("net1.w-0.2", "ad1.e-0.2", "$h_1^Th_1$", (5.48, 4.95), "", False),
     ("X1.w", "net1.e", "", None, "", False),
     ("3.9,7.0", "ad1.n-0.45", "", None, "", False),
     ("lim1.n", "pi.n+0.45", "saturated: the integral stands still", (7.5, 8.0), "y7.8", True),
@@ -86,21 +88,22 @@ NEURAL: tuple[dict[str, Block], list[Arrow]] = ({
     ("ref2.e", "gd.w", "$h_{ref},\\ \\dot h_{ref}$", (2.95, 3.78), "", False),
     ("hV.n", "gd.s", "", None, "", False),
     ("gd.e", "hd.w", "$\\gamma_d$", (5.5, 3.75), "", False),
-    ("hd.e", "ef.n-0.3", "$\\dot\\gamma_d, \\ddot\\gamma_d, \\dddot\\gamma_d$", (8.4, 3.8), "", False),
+    ("hd.e", "ef.n-0.3", "$\\gamma_d, \\dot\\gamma_d, \\ddot\\gamma_d, \\dddot\\gamma_d$", (8.4, 3.8), "", False),
     ("meas.e", "ang.w", "", None, "", False),
     ("ang.e", "hy.w", "$y$", (5.5, 2.05), "", False),
-    ("hy.e", "ef.s-0.3", "$\\hat z_2,\\ \\hat z_3$", (8.3, 1.72), "", False),
-    ("ef.s+0.3", "d0.n", "$\\hat E$", (2.5, 0.75), "y1.0", False),
+    ("hy.e", "ef.s-0.3", "$y,\\ \\hat z_2,\\ \\hat z_3$", (8.35, 1.72), "", False),
+    ("ef.s+0.1", "d0.n", "$\\hat E,\\ e_0,\\ \\dot e_0,\\ \\ddot e_0,\\ \\dddot\\gamma_d$", (3.3, 0.75), "y1.0", False),
     ("d0.e", "sum3.w", "$\\delta_{e0}$", (3.5, 0.15), "", False),
     ("sum3.e", "gain2.w", "", None, "", False),
     ("gain2.e", "filt.w", "", None, "", False),
     ("filt.e", "lim2.w", "", None, "", False),
     ("lim2.e", "de.w", "", None, "", False),
     ("net2.n", "sum3.s", "$-$", (4.25, -0.35), "", False),
-    ("ad2.e", "net2.w", "", None, "", False),
+    ("ad2.e+0.2", "net2.w+0.2", "$\\hat\\varphi_2$", (2.78, -1.15), "", False),
+    ("net2.w-0.2", "ad2.e-0.2", "$h_2^Th_2$", (2.78, -1.85), "", False),
     ("X2.w", "net2.e", "", None, "", False),
-    ("2.3,1.0", "ad2.n-0.4", "", None, "x1.2", False),
-    ("lim2.n", "ef.s+0.65", "", None, "", True),
+    ("2.3,1.0", "ad2.n-0.4", "$\\hat E$", (1.0, 0.75), "x1.2", False),
+    ("lim2.n+0.5", "ef.s+0.5", "saturated: $\\int e_0$ stands still", (8.7, 0.68), "", True),
 ])
 
 BACKSTEPPING: tuple[dict[str, Block], list[Arrow]] = ({
@@ -134,7 +137,7 @@ BACKSTEPPING: tuple[dict[str, Block], list[Arrow]] = ({
     "Vm": Block(5.75, 3.8, 0.4, "$V$", kind="text"),
 }, [
     ("Vc.e", "ref1.w", "", None, "", False),
-    ("ref1.e", "sum1.w", "$V_{ref}$", (2.85, 5.35), "", False),
+    ("ref1.e", "sum1.w", "$V_{ref}$   $-$", (2.93, 5.35), "", False),
     ("ref1.n", "pi.n-0.45", "$\\dot V_{ref}$", (2.9, 6.15), "y6.0", False),
     ("V1.n", "sum1.s", "", None, "", False),
     ("sum1.e", "pi.w", "$\\tilde V$", (3.8, 5.35), "", False),
@@ -159,9 +162,9 @@ BACKSTEPPING: tuple[dict[str, Block], list[Arrow]] = ({
     ("t2.e", "qd.n", "$\\dot\\theta_d$", (7.3, 2.3), "", False),
     ("7.95,1.6", "t3.s", "", None, "", False),
     ("t3.e", "de.n", "$\\dot Q_d$", (9.0, 2.3), "", False),
-    ("og.n", "td.s", "$-\\hat d_\\gamma$", (5.75, 0.85), "", False),
+    ("og.n", "td.s", "$\\gamma,\\ -\\hat d_\\gamma$", (5.85, 0.85), "", False),
     ("th.n", "qd.s", "", None, "", False),
-    ("oq.n", "de.s", "$-\\hat d_Q$", (9.15, 0.85), "", False),
+    ("oq.n", "de.s", "$Q,\\ -\\hat d_Q$", (9.3, 0.85), "", False),
     ("gm.e", "og.w", "", None, "", False),
     ("Qm.e", "oq.w", "", None, "", False),
     ("lim2.s", "oq.e", "$\\delta_e$ as sent", (10.15, -0.1), "", False),
@@ -172,7 +175,7 @@ RESILIENT: tuple[dict[str, Block], list[Arrow]] = ({
     "ref1": Block(1.75, 7.0, 1.5, "Reference\nfilter", "(67)"),
     "inv1": Block(5.6, 7.0, 2.3, "Fuel ratio for the speed:\ninverse of the model", "k_V, at most V_recovery",
                   height=1.0),
-    "V": Block(3.35, 6.75, 0.5, "$\\hat V$", kind="text"),
+    "V": Block(3.3, 6.75, 0.7, "$\\hat V,\\ \\hat d_V$", kind="text"),
     "share": Block(12.1, 5.8, 1.9, "Thrust pitches\nwith what the\nelevator's band\nleaves", "elevator_band",
                    height=3.4),
     "lim1": Block(14.1, 7.0, 1.3, "Limits\n0.05 … 1.5", kind="limit"),
@@ -184,6 +187,7 @@ RESILIENT: tuple[dict[str, Block], list[Arrow]] = ({
     "min": Block(6.15, 4.6, 1.2, "Not above\nthe limit", kind="limit"),
     "rate": Block(8.0, 4.6, 1.5, "Wanted\npitch rate", "k_alpha, k_barrier", height=1.0),
     "mom": Block(9.75, 4.6, 1.2, "Moment\ndemand", "k_Q", height=1.0),
+    "Q": Block(10.1, 3.4, 0.4, "$\\hat Q$", kind="text"),
     "filt": Block(9.75, 6.05, 1.5, "Structural\nfilter", "coupled only"),
     "lim2": Block(14.1, 4.6, 1.3, "Limits\n±20°", kind="limit"),
     "de": Block(15.4, 4.6, 0.4, "$\\delta_e$", kind="text"),
@@ -226,7 +230,8 @@ RESILIENT: tuple[dict[str, Block], list[Arrow]] = ({
     ("2.5,1.1", "lift.w", "", None, "y2.3", False),
     ("obs.e", "sM.w", "$\\hat d_Q$", (3.65, 0.78), "", False),
     ("sM.e", "hold.w", "$\\hat s_M,\\ \\hat d_Q$", (6.55, 0.78), "", False),
-    ("3.65,0.6", "mom.s", "$\\hat s_M,\\ \\hat d_Q$", (9.25, -0.55), "y-0.7 x9.75", False),
+    ("6.55,0.6", "mom.s", "$\\hat s_M,\\ \\hat d_Q$", (9.2, -0.55), "y-0.7 x9.75", False),
+    ("Q.n", "mom.s+0.35", "", None, "", False),
 ])
 DIAGRAMS = {"neural": NEURAL, "backstepping": BACKSTEPPING, "resilient": RESILIENT}
 
@@ -265,8 +270,9 @@ def draw_block(axes: Axes, block: Block) -> None:
         return
     if block.kind != "text":
         corner = block.x - block.width / 2, block.y - block.height / 2
+        colour, frame, width = KINDS[block.kind]
         axes.add_patch(FancyBboxPatch(corner, block.width, block.height, boxstyle="round,pad=0,rounding_size=0.08",
-                                      facecolor=COLOURS[block.kind], edgecolor="black", zorder=2))
+                                      facecolor=colour, edgecolor="black", linestyle=frame, linewidth=width, zorder=2))
     lift = 0.13 if block.note else 0.0
     axes.text(block.x, block.y + lift, block.text, ha="center", va="center", fontsize=10, linespacing=1.25, zorder=3)
     axes.text(block.x, block.y - block.height / 2 + 0.13, block.note, ha="center", va="center", fontsize=8,

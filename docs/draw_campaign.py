@@ -10,10 +10,10 @@ from matplotlib.figure import Figure
 from matplotlib.patches import FancyBboxPatch
 
 from cosim import pictures
-from cosim.pictures import BLUE, WIDTHS
+from cosim.pictures import WIDTHS
 
 FILE, WORK = "#f2f2f2", "#dbe9f6"
-# name -> centre, width, colour, title, what it has or does; files are grey, what is done is blue.
+# name -> centre, width, colour, title, what it has or does; files are grey, what is done is blue with a thick frame.
 BOXES: dict[str, tuple[float, float, float, str, str, str]] = {
     "file": (1.3, 5.0, 2.4, FILE, "campaign file", "what flies, draws,\nmetrics, success, seed"),
     "fmus": (1.3, 2.6, 2.4, FILE, "FMUs", "a scenario's,\nor any system's"),
@@ -57,7 +57,7 @@ def draw() -> Figure:
     for x, y, width, colour, title, text in BOXES.values():
         axes.add_patch(FancyBboxPatch((x - width / 2, y - HEIGHT / 2), width, HEIGHT, facecolor=colour,
                                       boxstyle="round,pad=0,rounding_size=0.12",
-                                      edgecolor=BLUE if colour == WORK else "black", linewidth=0.9, zorder=2))
+                                      edgecolor="black", linewidth=1.6 if colour == WORK else 0.7, zorder=2))
         axes.text(x, y + 0.42, title, weight="bold", ha="center", va="center", zorder=3)
         axes.text(x, y - 0.22, text, ha="center", va="center", fontsize=7, zorder=3)
     for corners, label, place, dashed in ARROWS:

@@ -16,10 +16,10 @@ STEP, ROWS = 4.0, {"A": 2.0, "B": 0.0}
 # read at its begin and is the input during the step that begins at its end.
 Arrow = tuple[str, tuple[str, int], tuple[str, int]]
 STEPS: dict[str, tuple[str, list[Arrow], list[Arrow]]] = {
-    "Jacobi": ("Both components step with what the other had at the begin of the step.",
+    "Jacobi": ("Both components step with what the other had at the start of the step.",
                [("2", ("A", k), ("A", k + 1)) for k in (0, 1)] + [("2", ("B", k), ("B", k + 1)) for k in (0, 1)],
                [("1", ("A", k), ("B", k)) for k in (0, 1)] + [("1", ("B", k), ("A", k)) for k in (0, 1)]),
-    "Gauss-Seidel": ("A steps first, with what B had at the begin. Then B steps, with what A has at the end.",
+    "Gauss-Seidel": ("A steps first, with what B had at the start. Then B steps, with what A has at the end.",
                      [("2", ("A", k), ("A", k + 1)) for k in (0, 1)] + [("4", ("B", k), ("B", k + 1)) for k in (0, 1)],
                      [("1", ("B", k), ("A", k)) for k in (0, 1)] + [("3", ("A", k + 1), ("B", k)) for k in (0, 1)]),
 }

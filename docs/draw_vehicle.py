@@ -48,6 +48,7 @@ def vehicle(axes: Axes) -> None:
     axes.plot(*zip(hinge, edge), color="#4060a0", linewidth=6, solid_capstyle="round", zorder=4)
     axes.text(edge[0] - 0.15, edge[1] - 0.1, r"elevator $\delta_e$", fontsize=12, ha="right", va="center",
               color="#4060a0")
+    axes.add_patch(Arc(hinge, 2.5, 2.5, theta1=180 + THETA, theta2=180 + THETA + ELEVATOR, linewidth=1.3, zorder=4))
 
     ends = {"horizon": (turned((7.4, 0), 0), "#999999"), "path": (turned((7.6, 0), GAMMA), "black"),
             "axis": (turned((7.6, 0), THETA), "#4060a0")}
@@ -63,7 +64,7 @@ def vehicle(axes: Axes) -> None:
     angle(axes, 4.6, 0, THETA, r"$\theta$", (4.3, 4.5))
     axes.add_patch(Arc((0, 0), 3.4, 3.4, theta1=38, theta2=72, linewidth=1.5, zorder=4))
     arrow(axes, turned((1.7, 0), 70), turned((1.7, 0), 76), width=1.5)
-    axes.text(*turned((2.02, 0), 58), "$Q$", fontsize=14, ha="center", va="center")
+    axes.text(*turned((2.35, 0), 58), "$Q,\\ M$", fontsize=14, ha="center", va="center")
 
     for word, label, begin, end, (dx, dy) in (
             ("lift", "lift $L$", (0, 0), turned((0, 3.1), GAMMA), (0.15, 0.15)),
@@ -73,6 +74,8 @@ def vehicle(axes: Axes) -> None:
         arrow(axes, begin, end, FORCES[word])
         axes.text(end[0] + dx, end[1] + dy, label, fontsize=12, color=FORCES[word], ha="left" if dx > 0 else "center")
     axes.plot(0, 0, "o", color="black", markersize=6, zorder=7)
+    axes.text(-7.5, 3.75, "All in their positive sense. A positive elevator pitches the nose down.", fontsize=10,
+              ha="left", va="center", color="#444444")
 
 
 def loop(axes: Axes) -> None:

@@ -86,6 +86,17 @@ def bears(loaded, plant):
     return found.survived and found.h < 20 and found.saturated < 5
 
 
+def beside(count, V=7700.0):
+    """`count` values of V (ft/s), `V` the middle one; each differs from the next in the last bit only."""
+    return [V + k * float(np.spacing(V)) for k in range(-(count // 2), count - count // 2)]
+
+
+def flown_beside(loaded, plant, count):
+    """Case 1 from `count` starts that differ in the last bit of V: a flight at the edge of stability, chaotic and with
+    the elevator between its stops, is kept from some and lost from others."""
+    return [summary(loaded.fly("case1", {"plant": {**plant, "V_start": V}})) for V in beside(count)]
+
+
 def limits(law, preset, delays=range(5, 245, 5), factors=(0.01, 0.03, 0.1, 0.3, 1, 3, 10, 30)):
     """The largest delay of all sensors (ms) and the largest factor on NOISE that Case 1 is flown with, each alone."""
     delay, noise = 0, 0.0

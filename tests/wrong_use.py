@@ -18,14 +18,17 @@ from wrong_words import (
     ATTRIBUTES,
     BETWEEN,
     CAMPAIGN,
+    CAMPAIGNS,
     CHOICES,
     COMMANDS,
+    DATA,
     DISTRIBUTIONS,
     ENCODINGS,
     EXPRESSIONS,
     FIELDS,
     NUMBERS,
     OPTIONS,
+    SAMPLES,
     SCENARIO,
     STRUCTURE,
     SYNTAX,
@@ -35,7 +38,7 @@ from wrong_words import (
     WORDS,
 )
 
-from cosim.campaign.sampling import draw
+from cosim.campaign.sampling import drawn as rows
 from cosim.cli.app import done
 from cosim.errors import UsageError
 from cosim.vehicle.closed_loop import fmu_path
@@ -78,11 +81,61 @@ def command_line(r: random.Random, folder: Path) -> list[str]:
         if option == "!":
             words = [command, r.choice(WORDS), *words[2:]]
             continue
+        if option.endswith("!"):
+            words.append(option.rstrip("!"))
+            continue
         value = number(r) if option.endswith("#") else algorithm(r) if option == "--algorithm" else assignment(r) \
-            if option == "--set" else r.choice(WORDS)
+            if option == "--set" else variant(r) if option == "--run" else r.choice(WORDS)
         words += [option.rstrip("#"), value]
     if r.random() < 0.1:
         words.append(r.choice(WORDS + NUMBERS))
+    return words
+
+
+def variant(r: random.Random) -> str:
+    """A word for --run."""
+    options = [f"{r.choice(['--preset', '--controller', '--plant', '--set', '--uncertainty', '--step', '-x', ''])} "
+               f"{assignment(r) if r.random() < 0.4 else number(r) if r.random() < 0.5 else r.choice(WORDS)}"
+               for _ in range(r.randint(0, 2))]
+    return r.choice(WORDS) if r.random() < 0.1 else \
+        f"{r.choice(['mine', 'a b', *WORDS])}{r.choice([':', ':', ':', '='])}{' '.join(options)}"
+
+
+def variants(r: random.Random, folder: Path) -> list[str]:
+    """A comparison of variants, with a plant that is none: what is right does not fly."""
+    return ["compare", "hold", "--stop", "0.02", "--plant", "nobody", "--out", str(folder / "set"),
+            *(word for _ in range(r.randint(1, 2)) for word in ("--run", variant(r)))]
+
+
+def axis(r: random.Random) -> str:
+    """A word for a variable of `ahv sweep`."""
+    if r.random() < 0.4:
+        return r.choice(["plant.mass=290:310:3", "controller.k_gamma=0.3,0.4", "plant.start_at_trim=true,false"])
+    values = r.choice([f"{number(r)}:{number(r)}:{number(r)}", ",".join(number(r) for _ in range(r.randint(1, 3))),
+                       "290:310:3", "true,false", r.choice(WORDS)])
+    return r.choice(WORDS) if r.random() < 0.1 else f"{r.choice(VARIABLES)}{r.choice(['=', '=', '=', ''])}{values}"
+
+
+def sweeping(r: random.Random, folder: Path) -> list[str]:
+    """A sweep. What is right is not flown: its folder cannot be made."""
+    words = ["sweep", "hold", "--stop", "0.02", "--out", "/dev/null/x", *(axis(r) for _ in range(r.randint(1, 3)))]
+    for option in r.sample(["--metric", "--success"], r.randint(0, 2)):
+        words += [option, r.choice(["", "a=", "high=", "high=max(plant.h) + "]) + expression_text(r)]
+    return words
+
+
+def fitting(r: random.Random, folder: Path) -> list[str]:
+    """A fit of one FMU to a table."""
+    file = folder / r.choice(["own.csv", "own.csv", "own.parquet"])
+    file.write_bytes(cells(r, DATA))
+    spans = ["", "=300", "=280:320", f"={number(r)}", f"={number(r)}:{number(r)}", f"={number(r)}:280:320", "::", "=x"]
+    names = ["AhvPlant.mass", "AhvPlant.V_start", "own:AhvPlant.mass", *VARIABLES, *WORDS]
+    words = ["fit", str(fmu_path("native", "AhvPlant")), str(file), "--step", "0.01", "--out", str(folder / "set")]
+    for _ in range(r.randint(1, 2)):
+        words += ["--parameter", r.choice(names[:3] if r.random() < 0.7 else names) + r.choice(spans)]
+    for option in r.sample(["--signal", "--signal", "--set", "--set", "--start", "--seed"], r.randint(0, 2)):
+        words += [option, r.choice(["AhvPlant.h", "AhvPlant.h:0.1", f"AhvPlant.h:{number(r)}", *WORDS]) if option ==
+                  "--signal" else assignment(r) if option == "--set" else number(r)]
     return words
 
 
@@ -166,15 +219,21 @@ def system_file(r: random.Random, folder: Path) -> list[str]:
     return ["simulate", str(file), "--out", str(folder / "set")]
 
 
-def table(r: random.Random, folder: Path) -> list[str]:
-    """A simulation of one FMU with a table of inputs."""
-    file = folder / r.choice(["own.csv", "own.csv", "own.csv", "own.parquet"])
-    lines = [["time", "fuel_ratio", "elevator"], *([str(0.01 * i), "0.3", "0.1"] for i in range(3))]
+def cells(r: random.Random, good: list[list[str]]) -> bytes:
+    """A CSV file of the rows `good` with one or two mistakes, or with bytes that are no text."""
+    lines = [list(line) for line in good]
     for _ in range(r.randrange(1, 3)):
         line = r.choice(lines)
         line[r.randrange(len(line))] = r.choice(r.choice([NUMBERS, WORDS, VARIABLES]))
     data = "\n".join(map(",".join, lines)).encode("utf-8", "surrogatepass")
-    file.write_bytes(data if r.random() < 0.9 else r.randbytes(100) + data)
+    return data if r.random() < 0.9 else r.randbytes(100) + data
+
+
+def table(r: random.Random, folder: Path) -> list[str]:
+    """A simulation of one FMU with a table of inputs."""
+    file = folder / r.choice(["own.csv", "own.csv", "own.csv", "own.parquet"])
+    file.write_bytes(cells(r, [["time", "fuel_ratio", "elevator"],
+                               *([str(0.01 * i), "0.3", "0.1"] for i in range(3))]))
     return ["simulate", str(fmu_path("native", "AhvPlant")), "--input", str(file), "--stop", "0.02", "--step", "0.01",
             "--out", str(folder / "set")]
 
@@ -217,10 +276,10 @@ def planned(file: Path) -> int:
     except UsageError as error:
         print(f"ahv: {error}")
         return 2
-    for k in (0, made.campaign.runs - 1):
+    for k in {0, made.campaign.runs - 1}:
         for draws in made.job.draws.values():
-            values = draw(draws, made.job.sampler.uniforms(k)).values()
-            assert all(not isinstance(v, float) or np.isfinite(v) for v in values), values
+            for row in rows(made.job.sampler, draws, k, k + 1):
+                assert all(not isinstance(v, float) or np.isfinite(v) for v in row.values()), row
     return 0
 
 
@@ -228,6 +287,19 @@ def campaign_file(r: random.Random, folder: Path) -> Callable[[], int]:
     """A campaign, planned."""
     file = folder / "own_campaign.yaml"
     file.write_bytes(campaign_data(r))
+    return lambda: planned(file)
+
+
+def other_campaign(r: random.Random, folder: Path) -> Callable[[], int]:
+    """A campaign of samples, a grid, a rule, rare failures or any system, planned."""
+    file = folder / "own_campaign.yaml"
+    if not (folder / "AhvPlant.fmu").exists():
+        (folder / "AhvPlant.fmu").symlink_to(fmu_path("native", "AhvPlant"))
+    good = r.choice(CAMPAIGNS)
+    right = b"\n".join(",".join(line).encode() for line in SAMPLES)
+    wrong = "samples" in good and r.random() < 0.6
+    (folder / "draws.csv").write_bytes(cells(r, SAMPLES) if wrong else right)
+    file.write_bytes(yaml.safe_dump(good).encode() if wrong else yaml_text(r, good))
     return lambda: planned(file)
 
 
@@ -289,7 +361,9 @@ KINDS = {"command lines": (command_line, 600), "values with units": (setting, 25
          "scenario files": (scenario_file, 300), "campaign files": (campaign_file, 400),
          "expressions": (expression, 300),
          "descriptions": (description, 150),
-         "systems": (structure, 100), "system files": (system_file, 200), "tables": (table, 150)}
+         "systems": (structure, 100), "system files": (system_file, 200), "tables": (table, 150),
+         "variants": (variants, 150), "sweeps": (sweeping, 200), "fits": (fitting, 200),
+         "other campaigns": (other_campaign, 400)}
 
 
 def drawn(kind: str, k: int, folder: Path) -> Bad:

@@ -21,29 +21,33 @@ VARIABLES = ["plant.mass", "plant.V_start", "plant.theta_start", "plant.start_at
 COMMANDS = {  # command -> its arguments, its options: name -> what is drawn
     "run": (["hold", "--stop", "0.02"], ["--controller", "--preset", "--flavour", "--plant", "--step#", "--stop#",
             "--algorithm", "--uncertainty#", "--real-time#", "--time-limit#", "--set", "--record", "--decimate#",
-            "--out"]),
-    "compare": (["nowhere"], ["--controller", "--flavour", "--plant", "--step#", "--stop#", "--out"]),
+            "--out", "--figures", "--columns#", "--open!"]),
+    "compare": (["nowhere"], ["--controller", "--flavour", "--plant", "--step#", "--stop#", "--out", "--run",
+                              "--figures", "--columns#", "--open!"]),
+    "view": (["nothing"], ["!", "--out", "--open!"]),
+    "playground": ([], ["--out"]),
     "info": ([], ["!"]),
     "trim": ([], ["--V#", "--h#", "--flavour"]),
     "linearize": (["--controller", "nobody"], ["!", "--V#", "--h#", "--controller", "--preset", "--plant", "--scale#",
                                                "--step#", "--set", "--of", "--time#", "--out"]),
     "simulate": (["nothing.ssp"], ["!", "--step#", "--start#", "--stop#", "--tolerance#", "--algorithm", "--set",
                                    "--input", "--record", "--decimate#", "--save", "--restore", "--out",
-                                   "--time-limit#"]),
+                                   "--time-limit#", "--figures", "--columns#", "--open!"]),
     "container": (["hold", "--out", "out.fmu"], ["!", "--connector", "--controller", "--preset", "--flavour", "--plant",
                                                  "--step#", "--uncertainty#", "--set", "--out"]),
     "ssp": (["hold", "--out", "out.ssp"], ["--controller", "--preset", "--flavour", "--plant", "--step#",
                                            "--uncertainty#", "--set"]),
     "check": (["nothing.fmu"], ["!", "--time-limit#", "--total-time-limit#", "--memory-limit#", "--file-limit#",
-                                "--process-limit#", "--explain", "--ignore", "--format", "--fail-on"]),
-    "recover": (["nothing"], ["!"]),
+                                "--process-limit#", "--explain", "--ignore", "--format", "--fail-on", "--out",
+                                "--open!"]),
+    "recover": (["nothing"], ["!", "--open!"]),
     "campaign": (["nothing.yaml"], ["!", "--scheduler", "--workers#", "--out"]),
     "sweep": (["nowhere", "plant.mass=290:310:3"], ["--metric", "--success", "--controller", "--preset", "--flavour",
                                                     "--plant", "--step#", "--stop#", "--algorithm", "--set",
                                                     "--workers#", "--out"]),
     "fit": (["nothing.fmu", "nothing.csv"], ["!", "--parameter", "--signal", "--set", "--starts#", "--seed#", "--step#",
                                              "--start#", "--tolerance#", "--algorithm", "--workers#", "--time-limit#",
-                                             "--out"]),
+                                             "--out", "--figures", "--columns#"]),
     "tune": (["nobody"], ["--preset", "--flights", "--gain", "--evaluations#", "--draws#", "--seed#", "--sigma#",
                           "--workers#", "--out"]),
     "build": (["nobody"], ["!", "--flavour", "--out"]),
@@ -62,6 +66,25 @@ CAMPAIGN = {
         "plant.CL_alpha": {"distribution": "uniform", "low": 4.0, "high": 5.0}},
     "correlations": [{"draws": ["plant.mass", "plant.CL_alpha"], "coefficient": 0.5}],
     "success": {"near": "altitude_error_ft.max_abs < 20"}, "signals": {"share": 0.5, "record": ["plant.*"]}}
+OWN = {key: CAMPAIGN[key] for key in ("name", "scenario", "controllers", "step", "stop", "success", "signals")}
+CAMPAIGNS = [  # samples of one's own (`draws.csv` lies beside the file), grids, rules, rare failures, any system
+    {**OWN, "samples": "draws.csv", "metrics": {"high": "max(plant.h)"}, "worst_by": "high"},
+    {**CAMPAIGN, "correlations": [], "samples": "draws.csv", "dispersions": {
+        "plant.CL_alpha": {"distribution": "empirical", "values": [4.0, 4.5, 5.0]}}},
+    {**OWN, "sampling": "grid", "dispersions": {"plant.mass": {"low": 290, "high": 310, "points": 3},
+                                                "controller.k_gamma": {"values": [0.3, 0.4]}}},
+    {**CAMPAIGN, "sampling": "random", "stop_when": {"probability": "near", "half_width": 0.1, "confidence": 0.9}},
+    {**{key: value for key, value in CAMPAIGN.items() if key != "runs"}, "sampling": "random", "rare": {
+        "failure": "near", "method": "cross-entropy", "runs_per_level": 100, "most_levels": 3}},
+    {"name": "own", "system": "AhvPlant.fmu", "variants": [{"name": "light", "set": {"AhvPlant.chord": 17.0}}, {
+        "name": "other", "fmus": {"AhvPlant": "AhvPlant.fmu"}}], "start": 0.0, "stop": 0.5, "step": 0.01, "runs": 4,
+     "tolerance": 1e-6, "seed": 1, "dispersions": {"AhvPlant.mass": {"distribution": "triangular", "low": 280.0,
+                                                                      "mode": 300.0, "high": 320.0}},
+     "success": {"high": "min(AhvPlant.h) > 0"}, "over_time": ["AhvPlant.h"]}]
+SAMPLES = [["plant.mass", "scenario.scale_lift", "controller.solve_trim"], ["290", "1", "true"],
+           ["300.125", "0.9", "false"], ["310", "1.1", "true"], ["305", "1e0", "0"]]
+DATA = [["time", "AhvPlant.h", "AhvPlant.elevator"], ["0", "85000", "0.1"], ["0.01", "85000.1", "0.1"],
+        ["0.02", "85000.2", "0.1"]]
 DISTRIBUTIONS = ["uniform", "integer", "normal", "log-normal", "choice", "sinusoid", "cauchy"]
 SYNTAX = ["[" * 5000, "a: " + "[" * 30 + "]" * 30, "a: &a [*a]", "%YAML 9.9\n---\na: 1", "a: !!python/object:os.x {}",
           "a: !!int ''", "a: !!float ''", "a: !!bool maybe", "a: !!timestamp x", "a: 2001-99-99", "a: 0" + "9" * 5000,

@@ -9,8 +9,11 @@ import pyarrow as pa
 import pyarrow.compute
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import NullFormatter
 
-from ..pictures import BLUE, RED, colour
+from ..pictures import BLUE, RED, colour, styled
+from ..text import without_math
 from .labels import Label, on_axes
 from .plan import Plan
 from .statistics import EXPLAINED, Results
@@ -42,10 +45,10 @@ def probability(results: list[Results]) -> Figure:
     axis = axes[0, 0]
     for i, r in enumerate(results):
         p, (low, high) = r.probability or 0.0, r.interval
-        axis.barh(i, p, color=colour(i), alpha=0.6)
-        axis.errorbar(p, i, xerr=[[max(0.0, p - low)], [max(0.0, high - p)]], color="k", capsize=6)
+        axis.errorbar(p, i, xerr=[[max(0.0, p - low)], [max(0.0, high - p)]], fmt="o", color=colour(i), capsize=5,
+                      clip_on=False)
     axis.set_yticks(range(len(results)), [r.law for r in results])
-    axis.invert_yaxis()
+    axis.set_ylim(len(results) - 0.5, -0.5)
     axis.set_xlim(0, 1)
     axis.set_xlabel("success, share of the judged runs, with 95 % interval")
     axis.grid(True, axis="x", alpha=0.3)
@@ -112,8 +115,8 @@ def histograms(results: list[Results], metrics: Mapping[str, Metric]) -> Figure:
             if low == high:
                 low, high = low - 0.05 * (abs(low) or 1), high + 0.05 * (abs(low) or 1)
             bins = np.geomspace(low, high, 50) if log else np.linspace(low, high, 50)
-            for i, (r, values) in enumerate(zip(results, columns)):
-                axis.hist(values, bins, alpha=0.5, label=r.law, color=colour(i))
+            for r, values, line in zip(results, columns, styled(len(results))):
+                axis.stairs(np.histogram(values, bins)[0], bins, label=r.law, **line)
         if log:
             axis.set_xscale("log")
         endless = sum(int(np.isinf(r.columns[name]).sum()) for r in results)
@@ -121,7 +124,8 @@ def histograms(results: list[Results], metrics: Mapping[str, Metric]) -> Figure:
                         + (f"; not shown: {endless:,} infinite" if endless else ""))
         axis.set_ylabel("runs")
         axis.grid(True, alpha=0.3)
-    axes[0, 0].legend(fontsize="small")
+    lines = [Line2D([], [], **line) for line in styled(len(results))]
+    made.legend(lines, [r.law for r in results], loc="outside upper center", ncols=4, fontsize="small")
     return made
 
 
@@ -140,10 +144,11 @@ def drivers(results: list[Results], draws: list[str], metric: str | None, labels
         axis.set_xlim(0 if what == EXPLAINED else -1, 1)
         axis.set_xticks([0, 0.5, 1] if what == EXPLAINED else [-1, -0.5, 0, 0.5, 1])
         axis.set_title(title, fontsize="small")
+        axis.set_xlabel("(1)", fontsize="small")
         axis.tick_params(labelsize="small")
         axis.grid(True, alpha=0.3)
     words = on_axes(names, labels)
-    axes[0, 0].set_yticks(range(len(names)), [fill(words[n], WRAP) for n in names], fontsize="small")
+    axes[0, 0].set_yticks(range(len(names)), [fill(without_math(words[n]), WRAP) for n in names], fontsize="small")
     axes[0, 0].invert_yaxis()
     if len(results) > 1:
         made.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside upper center", ncols=4, fontsize="small")
@@ -162,13 +167,14 @@ def scatter(r: Results, draws: list[str], metric: str, labels: Mapping[str, Labe
         x = r.columns[name][chosen]
         axis.plot(x[~success], y[~success], "x", ms=3, alpha=0.5, color=FAILURE, label="failure")
         axis.plot(x[success], y[success], ".", ms=3, alpha=0.5, color=SUCCESS, label="success")
-        axis.set_xlabel(fill(words[name], WRAP), fontsize="small")
+        axis.set_xlabel(fill(without_math(words[name]), WRAP), fontsize="small")
         axis.set_title(f"rank correlation with failure: {by_draw[name]['failure']:.2f}".replace("-", "\N{MINUS SIGN}"),
                        fontsize="small")
         axis.tick_params(labelsize="small")
         axis.grid(True, alpha=0.3)
         if wide(y):
             axis.set_yscale("log")
+            axis.yaxis.set_minor_formatter(NullFormatter())  # it would write none
     for axis in axes.flat[len(names):]:
         axis.set_visible(False)
     made.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside upper center", ncols=2, fontsize="small",
@@ -178,6 +184,12 @@ def scatter(r: Results, draws: list[str], metric: str, labels: Mapping[str, Labe
     return made
 
 
+def axes_over_time(plan: Plan) -> dict[str, str]:
+    """What is drawn over time: name -> what is on its axis."""
+    return {name: on_axes([name], plan.labels)[name] if name == label else label
+            for name, (label, _) in plan.subject.over_time.items()}
+
+
 def every(plan: Plan, results: list[Results], errors: pa.Table, draws: list[str]) -> dict[str, Callable[[], Figure]]:
     """File name -> how to draw it."""
     subject, metric = plan.subject, plan.worst_by
@@ -185,8 +197,7 @@ def every(plan: Plan, results: list[Results], errors: pa.Table, draws: list[str]
     if plan.headlines:
         made["histograms"] = lambda: histograms(results, {name: plan.metrics[name] for name in plan.headlines})
     if errors.num_rows:
-        labels = {name: on_axes([name], plan.labels)[name] if name == label else label
-                  for name, (label, _) in subject.over_time.items()}
+        labels = {name: without_math(label) for name, label in axes_over_time(plan).items()}
         made["envelopes"] = lambda: envelopes(results, errors, labels, subject.start, subject.stop)
     if results[0].drivers(draws, metric):
         made["drivers"] = lambda: drivers(results, draws, metric, plan.labels)

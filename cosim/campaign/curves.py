@@ -1,74 +1,99 @@
-"""Small pictures of a listed run, in its row of the report: each signal over time as a line of an inline SVG."""
-from collections.abc import Collection
-from html import escape
+"""The curves of runs that are in the report's page: what is drawn over time of all runs, and signals that were kept."""
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pyarrow as pa
 import pyarrow.compute
 import pyarrow.parquet as pq
 
+from ..pages.decimate import kept, rounded, text
+from ..pages.flown import Panel
+from ..pages.write import arrangement
+from .charts import axes_over_time
 from .labels import Label
+from .plan import Plan
+from .shown import Shown
 from .store import Store
 
-MOST_CURVES = 12
-WIDTH, HEIGHT, MOST_POINTS = 220, 70, 200
+ERRORS = 450_000              # values over time of all runs: two bytes each, before base64 adds a third
+POINTS = 180_000              # of all kept signals: four bytes each
+FEWEST, MOST = 60, 2000       # points of one signal of a run
+MOST_SIGNALS = 40             # of one run
 
 
-def small(label: str, time: np.ndarray, values: np.ndarray) -> str:
-    """A picture of `values` over `time` (s), both of shape (rows,), as HTML, with its name and its ends in words. Of
-    many rows the least and the largest value of each stretch are drawn; empty without a finite value."""
-    time, values = thinned(time[np.isfinite(values)], values[np.isfinite(values)])
-    if not len(time):
-        return ""
-    low, high = float(values.min()), float(values.max())
-    x = (time - time[0]) / max(time[-1] - time[0], 1e-300) * WIDTH
-    y = HEIGHT - (values - low) / max(high - low, 1e-300) * HEIGHT
-    points = " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(x, y))
-    ends = f"{low:.6g} to {high:.6g}, {time[0]:.6g} to {time[-1]:.6g} s"
-    name = escape(label, quote=True)
-    return (f"<figure><svg viewBox='0 -2 {WIDTH} {HEIGHT + 4}' role=img aria-label='{name}: {ends}'>"
-            f"<polyline points='{points}'/></svg><figcaption>{name}<br>{ends}</figcaption></figure>")
+def packed(store: Store, shown: Shown, errors: pa.Table) -> dict[str, Any]:
+    """What the page's script reads of all curves."""
+    plan = store.plan
+    signals, runs = of_signals(store, shown)
+    labels = {name: plan.labels.get(name, Label(name)) for name in (*plan.subject.over_time, *signals)}
+    about = {name: {"unit": labels[name].unit, "said": axis} for name, axis in axes_over_time(plan).items()}
+    about |= {name: {"unit": labels[name].unit, "said": labels[name].description} for name in signals}
+    panels = arrangement(about, [Panel(about[name]["said"], (name,)) for name in plan.subject.over_time])
+    return {"about": about, "panels": [{"title": panel.title, "curves": panel.curves} for panel in panels],
+            "errors": of_errors(plan, shown, errors), "signals": runs,
+            "start": plan.subject.start, "stop": plan.subject.stop}
 
 
-def thinned(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The same, or where there are more than MOST_POINTS rows, the least and the largest value of each stretch."""
-    if len(time) <= MOST_POINTS:
-        return time, values
-    chosen: set[int] = {0, len(time) - 1}
-    for part in np.array_split(np.arange(len(time)), MOST_POINTS // 2):
-        chosen |= {int(part[np.argmin(values[part])]), int(part[np.argmax(values[part])])}
-    rows = sorted(chosen)
-    return time[rows], values[rows]
+def of_errors(plan: Plan, shown: Shown, errors: pa.Table) -> dict[str, Any] | None:
+    """What is drawn over time: for each variant the runs that have it, how many rows each, and per name their least
+    value, step, and rows. All have the same times, but that some end early. None where nothing is drawn."""
+    names = list(plan.subject.over_time)
+    mine = errors.filter(pa.compute.is_in(errors["run"], pa.array(shown.numbers)))
+    if not mine.num_rows:
+        return None
+    rows = np.diff(mine["time"].combine_chunks().offsets.to_numpy())
+    every = max(1, -(-int(rows.sum()) * len(names) // ERRORS))  # of the rows
+    longest = mine["time"][int(rows.argmax())].values.to_numpy()
+    variants = []
+    for law in plan.laws:
+        table = mine.filter(pa.compute.equal(mine[plan.subject.column], law))
+        counts, found = np.empty(0, int), {}
+        for name in names:
+            values = table[name].combine_chunks()
+            starts = values.offsets.to_numpy()
+            counts = -(-np.diff(starts) // every)
+            rows = np.concatenate([np.arange(a, b, every) for a, b in pairwise(starts)] or [np.empty(0, int)])
+            low, step, steps = rounded(values.values.to_numpy()[rows], np.cumsum(counts) - counts)
+            found[name] = {"low": text(low), "step": text(step), "values": text(steps, "<u2")}
+        variants.append({"runs": text(np.searchsorted(shown.numbers, table["run"].to_numpy()), "<u4"),
+                         "counts": text(counts, "<u2"), "curves": found})
+    return {"times": text(longest[::every], "<f4"), "names": names, "variants": variants}
 
 
-class Curves:
-    """What was kept over time of the runs numbered `runs`: what is drawn of all (`errors`), and the signals."""
-
-    def __init__(self, store: Store, errors: pa.Table, runs: Collection[int]):
-        chosen = pa.array(sorted(runs), pa.int64())
-        self.errors = errors.filter(pa.compute.is_in(errors["run"], chosen))
-        self.signals = pq.read_table(store.file("signals"), filters=pa.compute.field("run").isin(chosen))
-        self.subject, self.labels = store.plan.subject, store.plan.labels
-
-    def said(self, name: str) -> str:
-        """A signal with its unit and what the FMU says of it."""
-        return self.labels.get(name, Label(name)).said
-
-    def of(self, run: int, variant: str) -> str:
-        """The small pictures of a run, as HTML; empty if nothing of it was kept."""
-        found = []
-        for row in mine(self.errors, self.subject.column, run, variant).to_pylist():
-            time = np.array(row["time"], float)
-            found += [small(self.said(name) if name == label else label, time, np.array(row[name], float))
-                      for name, (label, _) in self.subject.over_time.items()]
-        kept = mine(self.signals, self.subject.column, run, variant)
-        for name in kept.column_names[3:] if kept.num_rows else ():
-            values = kept[name].to_numpy()
-            if np.isfinite(values).any() and np.nanmin(values) < np.nanmax(values):
-                found.append(small(self.said(name), kept["time"].to_numpy(), values))
-        return "".join(found[:MOST_CURVES])
+def of_signals(store: Store, shown: Shown) -> tuple[list[str], list[dict[str, Any]]]:
+    """The names of kept signals; and of each run that has a place, the worst first, its variant, place and curves."""
+    plan, column = store.plan, store.plan.subject.column
+    file = pq.ParquetFile(store.file("signals"))
+    names = [name for name in file.schema_arrow.names if name not in ("run", column, "time")][:MOST_SIGNALS]
+    if not names or not file.metadata.num_rows:
+        return names, []
+    keys = pq.read_table(store.file("signals"), columns=["run", column]).group_by(["run", column]).aggregate([])
+    there = set(zip(keys["run"].to_pylist(), keys[column].to_pylist()))
+    ranked = sorted((rank, v, int(place)) for v, law in enumerate(plan.laws)
+                    for rank, place in enumerate(shown.worst[law]) if (int(shown.numbers[place]), law) in there)
+    ranked = ranked[:POINTS // (FEWEST * len(names))]
+    if not ranked:
+        return names, []
+    points = min(MOST, max(FEWEST, POINTS // (len(ranked) * len(names))))
+    wanted = sorted({int(shown.numbers[place]) for _, _, place in ranked})
+    table = pq.read_table(store.file("signals"), filters=pa.compute.field("run").isin(wanted))
+    found = []
+    for _, v, place in ranked:
+        mine = table.filter(pa.compute.and_(pa.compute.equal(table["run"], int(shown.numbers[place])),
+                                            pa.compute.equal(table[column], plan.laws[v])))
+        found.append({"variant": v, "place": place, "curves": curves_of(mine, names, points)})
+    return names, found
 
 
-def mine(table: pa.Table, column: str, run: int, variant: str) -> pa.Table:
-    """The rows of a run of a variant."""
-    return table.filter(pa.compute.and_(pa.compute.equal(table["run"], run), pa.compute.equal(table[column], variant)))
+def curves_of(table: pa.Table, names: Sequence[str], points: int) -> dict[str, Any]:
+    """The curves of a run that say something: name -> times and values, or the one value that a signal always has."""
+    time, found = table["time"].to_numpy(), {}
+    for name in names:
+        values = table[name].to_numpy()
+        if np.isfinite(values).any():
+            rows = kept(values, points)
+            (low, begin), (step, tick), steps = rounded(np.concatenate([values[rows], time[rows]]), [0, len(rows)])
+            found[name] = [low, step, text(steps[:len(rows)], "<u2"), begin, tick, text(steps[len(rows):], "<u2")]
+    return found

@@ -130,6 +130,8 @@ def column_of(path: Path, name: str, files: Fmus) -> Column:
     target = on_signal(files, name) or name
     component, _, variable = target.partition(".")
     try:
+        if not variable:
+            raise UsageError("it is not of the form COMPONENT.VARIABLE.")
         if component not in files:
             raise UsageError(f"there is no component {component}; there are {', '.join(files)}.")
         family = files[component].variable(variable).family

@@ -9,24 +9,30 @@ from functools import lru_cache
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
+from pydantic import BeforeValidator, Field, field_validator, model_validator
 
 from ..errors import did_you_mean
+from ..fields import Exact, Finite, Positive, Strict, exact
 from ..master.system import Value
 
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-Finite = Annotated[float, Field(allow_inf_nan=False)]
 Whole = Annotated[int, Field(strict=True)]  # neither 1.0 nor true
-
-
-class Strict(BaseModel):
-    """A model that refuses fields it does not know."""
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
 
 class Distribution(Strict):
     """What all distributions can do."""
     distribution: str
+
+    @property
+    def ends(self) -> tuple[float | None, float | None]:
+        """`low` and `high`, as far as it has them."""
+        return getattr(self, "low", None), getattr(self, "high", None)
+
+    @model_validator(mode="after")
+    def ascending_ends(self) -> "Distribution":
+        low, high = self.ends
+        if low is not None and high is not None and not low < high:
+            raise ValueError("low must be below high")
+        return self
 
     @property
     def single(self) -> bool:
@@ -43,18 +49,13 @@ class Distribution(Strict):
         raise NotImplementedError
 
     def extremes(self) -> list[Value]:
-        """Values that must be allowed: the ends of a bounded distribution, the middle of another."""
-        return [self.quantile(0.5)]
+        """Values that must be allowed: both ends if it has both; else the middle."""
+        low, high = self.ends
+        return [self.quantile(0.5)] if low is None or high is None else [low, high]
 
     def levels(self) -> list[Value]:
         """The values in a grid. Raises ValueError for a distribution that has none."""
         raise ValueError("a grid takes values, or low, high and points")
-
-
-def check_order(low: float | None, high: float | None) -> None:
-    """Raises ValueError unless `low` is below `high`, where both are given."""
-    if low is not None and high is not None and not low < high:
-        raise ValueError("low must be below high")
 
 
 class Uniform(Distribution):
@@ -63,11 +64,6 @@ class Uniform(Distribution):
     low: Finite
     high: Finite
     points: Annotated[Whole, Field(ge=2, le=100_000)] | None = None
-
-    @model_validator(mode="after")
-    def checked(self) -> "Uniform":
-        check_order(self.low, self.high)
-        return self
 
     @property
     def single(self) -> bool:
@@ -95,11 +91,6 @@ class Integer(Distribution):
     distribution: Literal["integer"]
     low: Annotated[Whole, Field(ge=-2**53, le=2**53)]
     high: Annotated[Whole, Field(ge=-2**53, le=2**53)]
-
-    @model_validator(mode="after")
-    def checked(self) -> "Integer":
-        check_order(self.low, self.high)
-        return self
 
     @property
     def single(self) -> bool:
@@ -129,18 +120,9 @@ class Normal(Distribution):
     low: Finite | None = None
     high: Finite | None = None
 
-    @model_validator(mode="after")
-    def checked(self) -> "Normal":
-        check_order(self.low, self.high)
-        return self
-
     def quantile(self, u: float) -> Value:
         """The value at the probability `u`."""
         return normal(u, self.mean, self.std, self.low, self.high)
-
-    def extremes(self) -> list[Value]:
-        """Both ends if both are cut off; else the middle."""
-        return [self.quantile(0.5)] if self.low is None or self.high is None else [self.low, self.high]
 
 
 class LogNormal(Distribution):
@@ -152,20 +134,11 @@ class LogNormal(Distribution):
     low: Positive | None = None
     high: Positive | None = None
 
-    @model_validator(mode="after")
-    def checked(self) -> "LogNormal":
-        check_order(self.low, self.high)
-        return self
-
     def quantile(self, u: float) -> Value:
         """The value at the probability `u`."""
         low, high = (None if x is None else math.log(x / self.median) for x in (self.low, self.high))
         found = self.median * math.exp(normal(u, 0.0, self.sigma, low, high))
         return within(found, self.low, self.high)
-
-    def extremes(self) -> list[Value]:
-        """Both ends if both are cut off; else the middle."""
-        return [self.quantile(0.5)] if self.low is None or self.high is None else [self.low, self.high]
 
 
 class Triangular(Distribution):
@@ -177,7 +150,6 @@ class Triangular(Distribution):
 
     @model_validator(mode="after")
     def checked(self) -> "Triangular":
-        check_order(self.low, self.high)
         if not self.low <= self.mode <= self.high:
             raise ValueError("mode must lie between low and high")
         return self
@@ -189,15 +161,11 @@ class Triangular(Distribution):
             else self.high - math.sqrt((1 - u) * width * fall)
         return within(found, self.low, self.high)
 
-    def extremes(self) -> list[Value]:
-        """The ends."""
-        return [self.low, self.high]
-
 
 class Choice(Distribution):
     """One of `values`, equally likely or by `weights`."""
     distribution: Literal["choice"]
-    values: list[bool | Finite | str] = Field(min_length=1)
+    values: list[Annotated[bool | Finite | str, BeforeValidator(exact)]] = Field(min_length=1)
     weights: list[Annotated[float, Field(ge=0, allow_inf_nan=False)]] | None = None
 
     @model_validator(mode="after")
@@ -240,7 +208,7 @@ class Empirical(Distribution):
     """Measured numbers: `values`, or the `column` of a `file`, all equally likely; if `interpolated`, straight lines
     join them (numpy's quantiles by the method `linear`)."""
     distribution: Literal["empirical"]
-    values: list[Finite] = Field(default=[], max_length=1_000_000)
+    values: list[Exact] = Field(default=[], max_length=1_000_000)
     file: str | None = None
     column: str | None = None
     interpolated: bool = False
@@ -279,13 +247,12 @@ class Scipy(Distribution):
     """The distribution `name` of scipy.stats with its `parameters`; cut off at `low` and `high` where given."""
     distribution: Literal["scipy"]
     name: str
-    parameters: dict[str, Finite] = {}
+    parameters: dict[str, Finite] = Field(default={})
     low: Finite | None = None
     high: Finite | None = None
 
     @model_validator(mode="after")
     def checked(self) -> "Scipy":
-        check_order(self.low, self.high)
         check_parameters(self.name, self.parameters)
         if self.low is not None or self.high is not None:
             below, above = self.cut

@@ -11,15 +11,14 @@ from matplotlib.figure import Figure
 
 from ..master.measures import parse
 from ..master.system import Value
+from ..pictures import COLOURS, LINES, MARKS, RED, SKY
 from ..text import without_math
 from .charts import figure, wide
 from .plan import Plan
 from .sampling import Draw
 from .statistics import Results
 
-COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")  # Okabe and Ito's
-MARKS = "osD^vPX"
-MAP = colormaps["cividis"].with_extremes(under=COLOURS[5], over=COLOURS[1])
+MAP = colormaps["cividis"].with_extremes(under=SKY, over=RED)
 MOST_PANELS, MOST_TICKS, MOST_NUMBERS = 24, 9, 50  # of a figure, of an axis, written into the cells of a panel
 
 
@@ -97,8 +96,8 @@ def lines(plan: Plan, results: list[Results], metric: str) -> Figure:
     for i, r in enumerate(results):
         shape = [len(d.levels) for d in plan.draws[r.law]]
         y, success = cells(r, metric, shape).ravel(), cells(r, "success", shape).ravel()
-        colour = COLOURS[i % len(COLOURS)]
-        axis.plot(x[order], y[order], MARKS[i % len(MARKS)] + "-", color=colour, ms=5, label=without_math(r.law))
+        axis.plot(x[order], y[order], marker=MARKS[i % len(MARKS)], linestyle=LINES[i % len(LINES)],
+                  color=COLOURS[i % len(COLOURS)], ms=5, label=without_math(r.law))
         if (success == 0).any():
             axis.plot(x[success == 0], y[success == 0], "x", color="k", ms=9, label="" if failed else "no success")
             failed = True
@@ -141,6 +140,8 @@ def maps(plan: Plan, results: list[Results], metric: str) -> Figure:
     made.supxlabel(label(plan, draws[x]), fontsize="medium")
     made.supylabel(label(plan, draws[y]), fontsize="medium")
     made.colorbar(mesh, ax=axes, label=metric_label(plan, metric), extend=beyond)
+    if any((success == 0).any() for _, success in over.values()):
+        made.text(0.005, 0.005, "× no success", fontsize="small", ha="left", va="bottom")
     return made
 
 

@@ -3,7 +3,6 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from ..text import without_math
 from .dispersions import Fmus
 
 LONGEST = 60  # characters of a description that an axis has room for
@@ -41,11 +40,10 @@ def of_difference(name: str) -> Label:
 
 def on_axes(names: Iterable[str], labels: Mapping[str, Label]) -> dict[str, str]:
     """What stands on an axis for each name: the FMU's description where it is short and no other's, else the name; with
-    the unit. For matplotlib."""
+    the unit."""
     found = {name: labels[name] if name in labels else of_difference(name) if " - " in name else Label(name)
              for name in names}
     said = Counter(label.description for label in found.values())
     words = {name: label.description if 0 < len(label.description) <= LONGEST and said[label.description] == 1 else name
              for name, label in found.items()}
-    return {name: without_math(f"{words[name]} ({label.unit})" if label.unit else words[name])
-            for name, label in found.items()}
+    return {name: f"{words[name]} ({label.unit})" if label.unit else words[name] for name, label in found.items()}

@@ -8,12 +8,13 @@ most 0. Both methods go there by levels. The tenth of a level's runs with the le
     cross-entropy       a normal distribution is fitted to what lies below the threshold (Rubinstein and Kroese, 2004);
                         the last level's failures are weighted by the ratio of the two densities
 
-The algorithms are OpenTURNS's. Coefficients of variation are computed here: of subset simulation OpenTURNS 1.27 leaves
-out what the first level contributes.
+The algorithms are OpenTURNS's. Coefficients of variation are computed here: that of OpenTURNS 1.27 leaves out what the
+first level contributes, and takes the levels to be independent.
 """
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -44,8 +45,8 @@ class Level:
 class Estimate:
     """What the runs say of the probability of failure: None where no level reached it, for the `reason`."""
     probability: float | None
-    variation: float | None     # coefficient of variation, as if levels were independent of each other
-    bound: float | None         # on it: as if they were as dependent as they can be
+    variation: float | None     # coefficient of variation
+    bound: float | None         # on it: as if levels were as dependent on each other as they can be
     levels: tuple[Level, ...]
     runs: int
     reason: str = ""
@@ -191,8 +192,8 @@ def stuck(watched: Watched, threshold: float) -> str:
 
 
 def by_subsets(watched: Watched, algorithm: Any, reason: str) -> Estimate:
-    """The estimate of subset simulation. Its variance has a part of each level, larger by the correlation of a chain's
-    points."""
+    """The estimate of subset simulation. The bound on its variation has a part of each level, larger by the correlation
+    of a chain's points."""
     size, runs = watched.rare.runs_per_level, len(watched.found)
     below = np.minimum(np.array(algorithm.getProbabilityEstimatePerStep()), 1.0)
     levels = tuple(watched.level(i, float(t), float(p))
@@ -202,8 +203,26 @@ def by_subsets(watched: Watched, algorithm: Any, reason: str) -> Estimate:
     shares = np.minimum(below / np.array([1.0, *below[:-1]]), 1.0)
     correlated = 1 + np.nan_to_num(np.maximum(np.array(algorithm.getGammaPerStep()), 0.0))
     parts = np.sqrt((1 - shares) / (shares * size) * correlated)
-    return Estimate(float(below[-1]), float(np.sqrt((parts**2).sum())), float(parts.sum()), levels, runs, "",
-                    watched.points, watched.found)
+    return Estimate(float(below[-1]), by_families(watched.found, levels, block(watched.rare)), float(parts.sum()),
+                    levels, runs, "", watched.points, watched.found)
+
+
+def by_families(margins: np.ndarray, levels: tuple[Level, ...], chains: int) -> float:
+    """The coefficient of variation of subset simulation, from the failures of each family: what stems from one run of
+    the first level. Families are independent of each other, so that their sums tell the variance whatever levels and
+    chains have in common (Chan and Lai, 2013).
+
+    Chain k of a level begins at the k-th run below the last threshold. A step beyond the threshold stays where it was.
+    """
+    found, family = margins[:levels[0].last], np.arange(levels[0].last)
+    for before, level in pairwise(levels):
+        seeds = np.flatnonzero(found <= before.threshold)[:chains]
+        steps = [found[seeds]]
+        for tried in margins[level.first:level.last].reshape(-1, chains):
+            steps.append(np.where(tried <= before.threshold, tried, steps[-1]))
+        found, family = np.concatenate(steps[1:]), np.tile(family[seeds], len(steps) - 1)
+    failures = np.bincount(family[found <= 0])
+    return float(np.sqrt(max((failures**2).sum() / failures.sum()**2 - 1 / levels[0].last, 0.0)))
 
 
 def by_weights(watched: Watched, algorithm: Any, reason: str) -> Estimate:

@@ -1,7 +1,5 @@
 """The report of a campaign of rare failures: report.json, levels.parquet, figures/levels.png and report.html."""
-import base64
 import json
-from html import escape
 from typing import Any
 
 import numpy as np
@@ -11,13 +9,16 @@ import pyarrow.parquet as pq
 from matplotlib.figure import Figure
 
 from ..master.whole_file import whole
+from ..text import html_table, html_text
+from . import shown
 from .charts import FAILURE, SUCCESS, figure
+from .page import commands, introduction, note, number, page, percent, uncertain
 from .plan import Plan
 from .rare import FAR, Estimate
 from .rare_flights import replayed
 from .rare_rules import towards
-from .report import STYLE, commands, introduction, percent, table
-from .statistics import JUDGED
+from .report import STRONGEST, about_runs
+from .statistics import JUDGED, Results
 from .store import Store
 
 SHOWN = 10    # runs with their commands
@@ -40,11 +41,10 @@ def write(store: Store) -> dict[str, Any]:
     with whole(folder / "levels.parquet") as partial:
         pq.write_table(levels(plan, found), partial)
     (folder / "figures").mkdir(exist_ok=True)
-    picture = folder / "figures" / "levels.png"
-    with whole(picture) as partial:
+    with whole(folder / "figures" / "levels.png") as partial:
         chart(found).savefig(partial, dpi=110, format="png")
     with whole(folder / "report.html") as partial:
-        partial.write_text(page(plan, summary, failures(plan, found, runs), picture.read_bytes()))
+        partial.write_text(html(store, summary, found, runs), encoding="utf-8")
     return {**summary, "report": str(folder / "report.html")}
 
 
@@ -116,27 +116,47 @@ def chart(found: Estimate) -> Figure:
     made, axes = figure(4.5)
     axis = axes[0, 0]
     margins = np.where(np.abs(found.margins) < FAR, found.margins, np.nan)
-    for number, level in enumerate(found.levels, 1):
+    for place, level in enumerate(found.levels, 1):
         mine = margins[level.first:level.last]
         mine = mine[::max(1, len(mine) // SEEN)]
-        beside = number + np.linspace(-0.3, 0.3, len(mine))
-        for chosen, color, label in ((mine > 0, SUCCESS, "met"), (mine <= 0, FAILURE, "failed")):
-            axis.plot(beside[chosen], mine[chosen], ".", ms=3, alpha=0.6, color=color,
-                      label=label if number == 1 else None)
-        axis.plot([number - 0.4, number + 0.4], [level.threshold] * 2, color="k", lw=1.5,
-                  label="threshold" if number == 1 else None)
+        beside = place + np.linspace(-0.3, 0.3, len(mine))
+        for chosen, color, mark, label in ((mine > 0, SUCCESS, ".", "met"), (mine <= 0, FAILURE, "x", "failed")):
+            axis.plot(beside[chosen], mine[chosen], mark, ms=3, alpha=0.6, color=color,
+                      label=label if place == 1 else None)
+        axis.plot([place - 0.4, place + 0.4], [level.threshold] * 2, color="k", lw=1.5,
+                  label="threshold" if place == 1 else None)
     axis.axhline(0, color=FAILURE, lw=0.8, ls="--")
     axis.set_xticks(range(1, len(found.levels) + 1))
     axis.set_xlabel("level")
-    axis.set_ylabel("margin (a failure is at most 0)")
+    axis.set_ylabel("margin, in the unit of the criterion (a failure is at most 0)")
     axis.grid(True, axis="y", alpha=0.3)
     axis.legend(fontsize="small", loc="upper right")
     return made
 
 
-def page(plan: Plan, summary: dict[str, Any], failed: list[dict[str, Any]], picture: bytes) -> str:
+def html(store: Store, summary: dict[str, Any], found: Estimate, runs: pa.Table) -> str:
     """report.html."""
-    rare, title = summary["rare"], f"Campaign {escape(plan.campaign.name)}"
+    plan, rare = store.plan, summary["rare"]
+    law, draws = plan.laws[0], ["level", *(d.name for d in plan.draws[plan.laws[0]])]
+    runs = runs.append_column("level", levels(plan, found)["level"].cast(pa.float64()))
+    there = shown.chosen(plan, runs, [Results.of(law, runs, plan.subject.column)])
+    there.worst[law] = np.argsort(found.margins[there.numbers], kind="stable")
+    data = about_runs(store, there, draws, pq.read_table(store.file("errors")), {})
+    data |= {"metric": "margin", "overview": {"probability": [], "histograms": [], "envelopes": None, "sweep": None}}
+    names = [*rare["drivers"]]
+    data["variants"][0]["strongest"] = [0, *(draws.index(name) for name in (
+        *names, *(d for d in draws[1:] if d not in names)))][:STRONGEST]
+    low, high = rare["interval_95"]
+    outcome = (f"There is no estimate: {html_text(rare['reason'])}." if rare["reason"] else
+               f"The probability of failure is {scientific(rare['probability'])} ({low:.3g} to {high:.3g}).")
+    head = (f'<p class="outcome{" bad" if rare["reason"] else ""}">{outcome}</p>' + introduction(plan)
+            + (note(there.sentence) if there.sentence else ""))
+    return page(plan, head, [*sections(plan, summary), *uncertain(plan), *worst(plan, found, runs)], data)
+
+
+def sections(plan: Plan, summary: dict[str, Any]) -> list[tuple[str, str]]:
+    """The sections on the estimate, the levels, and where the failures lie."""
+    rare = summary["rare"]
     low, high = rare["interval_95"]
     said = [["probability of failure", scientific(rare["probability"])],
             ["95 % interval", f"{low:.3g} to {high:.3g}"],
@@ -145,29 +165,31 @@ def page(plan: Plan, summary: dict[str, Any], failed: list[dict[str, Any]], pict
             ["runs flown", f"{rare['runs']:,}"],
             ["plain runs for the same coefficient of variation", count(rare["plain_runs"])],
             ["not judged", f"{rare['not_judged']:,}"]]
-    rows = [[str(i), f"{level['runs']:,}", level["threshold"], scientific(level["probability"]),
-             percent(level["failed"]), level["margin"]["least"], level["margin"]["median"]]
+    rows = [[str(i), f"{level['runs']:,}", number(level["threshold"]), scientific(level["probability"]),
+             percent(level["failed"]), number(level["margin"]["least"]), number(level["margin"]["median"])]
             for i, level in enumerate(rare["levels"], 1)]
-    parts = [
-        f"<h1>{title}</h1>", introduction(plan),
-        f"<h2>The probability of failure</h2><p class=note>Of {escape(rare['failure'])}, by "
-        f"{escape(rare['method'])}. Interval: {escape(rare['interval'])}.</p>",
-        f"<p>There is no estimate: {escape(rare['reason'])}.</p>" if rare["reason"] else "", table(["", ""], said),
-        "<h2>The levels</h2><p class=note>The tenth of a level's runs with the least margins gives its threshold, "
-        "below which the next level flies. At the last level the threshold is 0.</p>",
-        table(["level", "runs", "threshold", "probability of a margin below it", "failed", "least margin",
-               "median margin"], rows),
-        f"<img alt='The margins of each level' src='data:image/png;base64,{base64.b64encode(picture).decode()}'>"]
+    found = [("The probability of failure",
+              note(f"Of {rare['failure']}, by {rare['method']}. Interval: {rare['interval']}.")
+              + html_table(("", ""), said)),
+             ("The levels", note(
+                 "The tenth of a level's runs with the least margins gives its threshold, below which the next level "
+                 "flies. At the last level the threshold is 0. A failure is a margin of at most 0; the first panel "
+                 "above has the margins of each level.")
+              + html_table(("level", "runs", "threshold", "probability of a margin below it", "failed", "least margin",
+                            "median margin"), rows))]
     if rare["drivers"]:
-        parts.append("<h2>Where the failures lie</h2><p class=note>The mean of the last level's failures, in standard "
-                     "deviations from the median of each draw.</p>"
-                     + table(["drawn", "mean"], [[name, f"{x:+.2f}"] for name, x in rare["drivers"].items()]))
-    if failed:
-        parts.append(f"<h2>Failures</h2><p class=note>The first {len(failed)} of the last level that has one. Each "
-                     "command repeats its run.</p>" + commands(plan, failed))
-    return ("<!doctype html><html lang=en><head><meta charset=utf-8><meta name=viewport content='width=device-width'>"
-            f"<link rel=icon href='data:,'><title>{title}</title><style>{STYLE}</style></head>"
-            f"<body>{''.join(parts)}</body></html>\n")
+        found.append(("Where the failures lie",
+                      note("The mean of the last level's failures, in standard deviations from the median of each "
+                           "draw.")
+                      + html_table(("drawn", "mean"), [(name, f"{x:+.2f}") for name, x in rare["drivers"].items()])))
+    return found
+
+
+def worst(plan: Plan, found: Estimate, runs: pa.Table) -> list[tuple[str, str]]:
+    """The section with the commands of some failures."""
+    failed = failures(plan, found, runs)
+    return [("Failures", note(f"The first {len(failed)} of the last level that has one. Each command repeats its run.")
+             + commands(plan, 0, failed))] if failed else []
 
 
 def scientific(probability: float | None) -> str:

@@ -7,18 +7,16 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BaseModel, Field, field_validator, model_validator
 
 from .. import names
+from ..fields import Finite, Name, Positive, Setting, Strict
 from ..master.measures import parse
 from .distributions import (
     Choice,
     Empirical,
-    Finite,
     Integer,
     LogNormal,
     Normal,
-    Positive,
     Scalar,
     Scipy,
-    Strict,
     Triangular,
     Uniform,
     Whole,
@@ -36,7 +34,6 @@ def metric_name(text: str) -> str:
 
 
 MetricName = Annotated[str, AfterValidator(metric_name)]
-Name = Annotated[str, Field(pattern=r"^\w+\.[^\s=]+$")]  # component.variable
 
 
 class Sinusoid(Strict):
@@ -173,7 +170,7 @@ class Campaign(Named):
     step: Positive | None = Field(default=None, description="s; else the subject's, as stop and algorithm")
     stop: Positive | None = None
     algorithm: str | None = None
-    set: dict[Name, Finite | bool | str] = Field(default={})
+    set: dict[Name, Setting] = Field(default={})
     runs: Whole = Field(default=0, ge=1, le=100_000_000, description="else all of the samples, or of the grid")
     seed: Whole = Field(default=0, ge=0, lt=2**63, description="required where something is drawn")
     sampling: Literal["random", "latin-hypercube", "sobol", "grid"] = "random"
@@ -216,6 +213,8 @@ class Campaign(Named):
             yield "samples", "rare chooses its own points: samples does not belong here"
         if self.sampling == "grid" and self.samples is not None:
             yield "samples", "a grid takes no samples"
+        elif self.samples is not None and not self.dispersions and self.sampling != "random":
+            yield "sampling", "samples without dispersions draw nothing: leave sampling out"
         if self.sampling == "grid" and self.correlations:
             yield "correlations", "a grid takes no correlations"
 

@@ -78,7 +78,7 @@ def explained(x: np.ndarray, y: np.ndarray) -> float:
     if y.dtype.kind == "f":
         ok = np.isfinite(y)
         x, y = x[ok], y[ok]
-    most = min(MOST_GROUPS, round(len(y) ** (1 / 3)))
+    most = min(MOST_GROUPS, round(len(y) ** 0.5))  # fewer would hide what changes within a group
     words, group = np.unique(x, return_inverse=True)
     if len(words) > most and x.dtype.kind == "f":
         group = np.searchsorted(np.quantile(x, np.arange(1, most) / most), x, side="right")
@@ -111,16 +111,19 @@ class Results:
     others: pa.Table                # the failures of the machinery
     column: str                     # that names the law
     sequence: Sequence | None = None  # its intervals, where a rule ended the campaign
+    drawn: bool = True                # else the runs are the points of a grid
 
     @classmethod
-    def of(cls, law: str, table: pa.Table, column: str, sequence: Sequence | None = None) -> "Results":
+    def of(cls, law: str, table: pa.Table, column: str, sequence: Sequence | None = None, drawn: bool = True
+           ) -> "Results":
         """The rows of `law` in a table of all laws, which are named in `column`."""
         mine = table.filter(pa.compute.equal(table[column], law))
         known = pa.compute.is_in(mine["status"], pa.array(JUDGED))
         judged = mine.filter(known)
         return cls(law, {f.name: judged[f.name].to_numpy() for f in judged.schema
-                         if pa.types.is_floating(f.type) or pa.types.is_boolean(f.type)},
-                   judged, mine.filter(pa.compute.invert(known)), column, sequence)
+                         if pa.types.is_floating(f.type) or pa.types.is_boolean(f.type)
+                         or pa.types.is_integer(f.type)},
+                   judged, mine.filter(pa.compute.invert(known)), column, sequence, drawn)
 
     @property
     def runs(self) -> int:
@@ -168,14 +171,17 @@ class Results:
                            - 1e-3 * abs(item[1].get(metric or "failure", 0.0))))
 
     def worst(self, metric: str | None, count: int = 10, least: bool = False) -> list[dict[str, Any]]:
-        """Rows: those that did not end first, by how early that was, then by `metric`, if there is one: the largest
-        first, or the `least`, those without a value last."""
+        """The first `count` rows of `worst_order`."""
+        return list(self.table.take(self.worst_order(metric, least)[:count]).to_pylist())
+
+    def worst_order(self, metric: str | None, least: bool = False) -> np.ndarray:
+        """The places of the judged runs: those that did not end first, by how early that was, then by `metric`, if
+        there is one: the largest first, or the `least`, those without a value last."""
         finished = np.array([s == "finished" for s in self.table["status"].to_pylist()])
         ended = np.where(finished, np.inf, np.nan_to_num(self.columns["departed_at_s"], nan=0.0))
         by = self.columns["success"].astype(float) if metric is None else \
             np.nan_to_num(self.columns[metric] * (1 if least else -1), nan=np.inf)
-        order = np.lexsort((np.arange(self.judged), by, ended))
-        return list(self.table.take(order[:count]).to_pylist())
+        return np.lexsort((np.arange(self.judged), by, ended))
 
     def summary(self, draws: list[str], metric: str | None, metrics: Iterable[str], noun: str) -> dict[str, Any]:
         """The numbers of report.json for this law, which is a `noun`."""
@@ -189,7 +195,7 @@ class Results:
                 quantiles[name] = {**quantiles.get(name, {}), "infinite": endless}
         return {"runs": self.runs, "judged": self.judged, "successes": self.successes,
                 "failures": {noun: self.judged - self.successes, "machinery": self.runs - self.judged},
-                "probability": self.probability, "interval_95": list(self.interval),
+                "probability": self.probability, "interval_95": list(self.interval) if self.drawn else None,
                 "statuses": self.statuses(), "metrics": quantiles, "drivers": self.drivers(draws, metric)}
 
 

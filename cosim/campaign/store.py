@@ -26,7 +26,7 @@ from ..master.whole_file import reason, whole
 from .front import Front
 from .plan import Plan
 from .receipt import Receipt, Table
-from .sampling import keeps_signals
+from .sampling import Draw, keeps_signals
 from .worker import Outcome
 
 KINDS = ("errors", "signals", "runs")  # in the order in which they are written
@@ -37,10 +37,17 @@ CONTINUE = "what was flown until then is kept, and --resume continues"
 ARROW: dict[type, pa.DataType] = {float: pa.float64(), bool: pa.bool_(), str: pa.string()}
 
 
+def kind_of(draw: Draw) -> pa.DataType:
+    """The type of a draw's column: a double, also of whole numbers, while it holds them exactly."""
+    values = draw.extremes()
+    large = any(isinstance(x, int) and abs(x) > 2**53 for x in values)
+    return pa.int64() if large else ARROW.get(type(values[0]), pa.float64())
+
+
 def schemas(plan: Plan) -> dict[str, pa.Schema]:
     """The columns of each kind of file."""
     key: list[tuple[str, pa.DataType]] = [("run", pa.int64()), (plan.subject.column, pa.string())]
-    draws = [(d.name, ARROW.get(type(d.extremes()[0]), pa.float64())) for d in plan.draws[plan.laws[0]]]
+    draws = [(d.name, kind_of(d)) for d in plan.draws[plan.laws[0]]]
     recorded = sorted({name for names in plan.job.record.values() for name in names})
     return {
         "runs": pa.schema([

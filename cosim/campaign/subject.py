@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Protocol
 from pydantic import AfterValidator, BaseModel, Field, field_validator
 
 from .. import names
+from ..fields import Finite, Name, Positive, Setting, Strict
 from ..master.course import Course
 from ..master.flight import Flight
 from ..master.system import System, Value
 from ..systems.load import load_system
 from ..systems.words import experiment, with_fmus
 from ..yaml_file import Source
-from .spec import Finite, Name, Positive, Strict
 
 if TYPE_CHECKING:
     from .spec import Campaign
@@ -81,7 +81,7 @@ class Subject(Protocol):
 class Variant(Strict):
     """The system with other values, or with other FMUs in some places."""
     name: Annotated[str, AfterValidator(names.checked)]
-    set: dict[Name, Finite | bool | str] = Field(default={})
+    set: dict[Name, Setting] = Field(default={})
     fmus: dict[str, str] = Field(default={}, description="component -> FILE.fmu, relative to the campaign file")
 
 
@@ -96,10 +96,7 @@ class SystemFields(Strict):
     @field_validator("variants")
     @classmethod
     def differ(cls, value: list[Variant]) -> list[Variant]:
-        called = [variant.name for variant in value]
-        for name in called:
-            if called.count(name) > 1:
-                raise ValueError(f"two variants are called {name}: give each a name of its own")
+        names.distinct("variants", (variant.name for variant in value))
         return value
 
 

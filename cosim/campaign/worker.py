@@ -7,7 +7,6 @@ import threading
 import time
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -20,7 +19,8 @@ from ..master.algorithms import method
 from ..master.course import Course
 from ..master.flight import Flight
 from ..master.fly import fly_loaded
-from ..master.loaded import Master, open_files
+from ..master.kept import KeptSystems
+from ..master.loaded import Master
 from ..master.recording import Whole
 from ..master.system import System, Value
 from ..master.whole_file import whole
@@ -143,7 +143,7 @@ class LoadedSystems:
 
     def __init__(self, job: Job, folder: Path):
         self.job, self.folder = job, folder
-        self.masters: dict[str, tuple[Master, ExitStack]] = {}
+        self.kept = KeptSystems()
         self.recorders: dict[str, Whole] = {}
 
     def system(self, law: str, values: dict[str, Value]) -> System:
@@ -154,40 +154,15 @@ class LoadedSystems:
     def ready(self, law: str, values: dict[str, Value]) -> Master:
         """A master that is ready to initialise with these values. Raises UsageError or RunError if it cannot be."""
         system = self.system(law, values)
-        if law in self.masters:
-            master = self.masters[law][0]
-            try:
-                master.reset(system)
-                return master
-            except RunError:
-                self.drop(law)
-        if any(instance.only_one for master, _ in self.masters.values() for instance in master.instances):
-            self.close()  # an FMU that allows one instance in a process may be in several laws' systems
-        with ExitStack() as stack:
-            tempfile.tempdir = str(self.folder)  # extracted there, too
-            try:
-                files = stack.enter_context(open_files(system))
-            finally:
-                tempfile.tempdir = None
-            master = Master(system, files, self.job.record[law], tolerance=self.job.tolerance)
-            stack.callback(master.close)
-            self.masters[law] = master, stack.pop_all()
-        return master
-
-    def drop(self, law: str) -> None:
-        """Unload the system of a law."""
-        if law in self.masters:
-            self.masters.pop(law)[1].close()
-
-    def drop_dead(self, law: str) -> None:
-        """Unload the system of a law if an FMU of it answered Fatal: no function of that FMU may be called then."""
-        if law in self.masters and not all(instance.alive for instance in self.masters[law][0].instances):
-            self.drop(law)
+        tempfile.tempdir = str(self.folder)  # extracted there, too
+        try:
+            return self.kept.ready(law, system, record=self.job.record[law], tolerance=self.job.tolerance)
+        finally:
+            tempfile.tempdir = None
 
     def close(self) -> None:
         """Unload all systems."""
-        for law in list(self.masters):
-            self.drop(law)
+        self.kept.close()
 
     def fly(self, request: Request) -> Outcome:
         """Fly one run; failures of any kind are outcomes, not exceptions. Only a full disk raises RunError."""
@@ -210,10 +185,10 @@ class LoadedSystems:
                 raise RunError(f"The disk with {self.folder} is full.") from None
             if isinstance(error, RunError | UsageError):
                 return Outcome(request, "error", str(error))
-            self.drop(request.law)
+            self.kept.drop(request.law)
             return Outcome(request, "error", f"{type(error).__name__}: {error}")
         finally:
-            self.drop_dead(request.law)
+            self.kept.drop_dead()
         status = "finished" if flight.finished else "timed-out" if late else "departed"
         return self.outcome(request, flight, status)
 

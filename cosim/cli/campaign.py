@@ -50,9 +50,8 @@ def table(summary: dict[str, Any]) -> dict[str, Any]:
         return {**rows, **rare(summary["rare"]), "wall_s": summary["wall_s"], "report": summary["report"]}
     grid = summary.get("grid")
     for law, found in summary["controllers" if "controllers" in summary else "variants"].items():
-        low, high = found["interval_95"]
         share = "unknown" if found["probability"] is None else f"{100 * found['probability']:.2f} %"
-        between = "" if grid else f" ({100 * low:.2f} to {100 * high:.2f})"
+        between = " ({:.2f} to {:.2f})".format(*(100 * p for p in found["interval_95"])) if found["interval_95"] else ""
         rows[f"success, {law}"] = f"{share}{between}, {found['successes']:,} of {found['judged']:,} judged runs"
         if found["failures"]["machinery"]:
             rows[f"not judged, {law}"] = f"{found['failures']['machinery']:,} of {found['runs']:,} runs: " + ", ".join(

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ..errors import RunError, UsageError, did_you_mean
-from .options import Json, Open, opened, place, typed
+from .options import Json, Open, new_file, opened, typed
 
 if TYPE_CHECKING:
     from ..conformance.report import Report
@@ -53,7 +53,7 @@ def check(
     memory_limit: Annotated[int, typer.Option(help="Memory that the FMU and all it starts may use, in MB.")] = 4096,
     file_limit: Annotated[int, typer.Option(help="Size of a file that the FMU may write, in MB.")] = 1024,
     process_limit: Annotated[int, typer.Option(help="Processes that the FMU may have.")] = 64,
-    out: Annotated[Path | None, typer.Option(metavar="FILE.html", parser=place,
+    out: Annotated[Path | None, typer.Option(metavar="FILE.html", parser=new_file,
                                              help="Also write the reports as a page; with --open, else to "
                                              "results/check.html.")] = None,
     open_: Open = False,

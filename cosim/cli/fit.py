@@ -10,7 +10,7 @@ import typer
 
 from ..errors import UsageError
 from ..vehicle.closed_loop import FOLLOWS, assignments, chosen_presets
-from .options import Controller, Flavour, Json, Out, Plant, Preset
+from .options import Columns, Controller, Figures, Flavour, Json, Out, Plant, Preset
 from .show import conclude, note, report, report_rows
 from .systems import for_scenarios_only
 
@@ -45,17 +45,21 @@ def fit(
                                                 "core.", min=1, max=1000)] = None,
     time_limit: Annotated[float | None, typer.Option(metavar="S", help="Longest wall time of a flight, s; one that "
                                                      "takes longer counts as lost.")] = None,
+    figures: Figures = "png",
+    columns: Columns = 2,
     out: Out = None,
     as_json: Json = False,
 ) -> None:
     """Fit parameters of any system to measured signals; write values with intervals to results/fit/SYSTEM."""
     from ..fitting.results import fit_into
+    from ..pictures import Format
 
+    form = Format(figures, columns)
     with subject_of(system, controller, preset, flavour, plant, start, tolerance, parameter, set_) as subject:
         count = workers or min(os.cpu_count() or 1, len(data))
         done, summary, trouble = fit_into(out, subject, data, parameter, signal, set_, start=start, step=step,
                                           algorithm=algorithm, tolerance=tolerance, begin_at=starts, seed=seed,
-                                          workers=count, time_limit=time_limit,
+                                          workers=count, time_limit=time_limit, form=form,
                                           tell=lambda line: print(line, file=sys.stderr, flush=True))
     note(summary["warnings"])
     if as_json:

@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from ..errors import UsageError
 from ..master.folder import expanded
 from ..vehicle.registry import LAWS, PLANTS, choices
 
@@ -15,6 +16,14 @@ def place(word: str) -> Path:
     UsageError if there is no such home."""
     path = Path(word)
     return expanded(path) if word.startswith("~") or not str(path).startswith("~") else path.absolute()
+
+
+def new_file(word: str) -> Path:
+    """The file that a word names for --out. Raises UsageError for what no file can be called."""
+    path = place(word)
+    if not path.name or "\0" in word or any("\ud800" <= c <= "\udfff" for c in word):
+        raise UsageError(f"--out {word!r} is not allowed: it must be the path of a file.")
+    return path
 
 
 def typed() -> str:

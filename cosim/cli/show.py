@@ -19,6 +19,9 @@ def report(summary: dict[str, Any], as_json: bool) -> None:
     for key, value in summary.items():
         if isinstance(value, dict):
             value = ", ".join(f"{k} {v:.4g}" for k, v in value.items() if v is not None)
+        if isinstance(value, list) and value and all(isinstance(row, dict) for row in value):
+            value = "; ".join(" ".join(f"{v:.4g}" if isinstance(v, float) else str(v) for v in row.values())
+                              for row in value)
         table.add_row(Text(key), Text(f"{value:.4g}" if isinstance(value, float) else str(value)))
     Console().print(table)
 

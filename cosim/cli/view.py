@@ -5,13 +5,13 @@ from typing import Annotated
 
 import typer
 
-from .options import Open, opened, place, typed
+from .options import Open, new_file, opened, place, typed
 
 
 def view(
     folders: Annotated[list[Path], typer.Argument(metavar="DIR...", parser=place, help="Folders that ahv run, simulate "
                                                   "or compare wrote.")],
-    out: Annotated[Path | None, typer.Option(metavar="FILE.html", parser=place,
+    out: Annotated[Path | None, typer.Option(metavar="FILE.html", parser=new_file,
                                              help="The page; else results/view.html.")] = None,
     open_: Open = False,
 ) -> None:

@@ -104,14 +104,18 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
     @pythons_words()
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None
               ) -> tuple[np.ndarray, dict[str, Any]]:
-        """Begin an episode; `options` has values for this one only, in the form and in the place of `values`.
+        """Begin an episode; `options` has values for this one only, in the form and in the place of `values`;
+        they change no draw of another episode.
 
         Raises UsageError for values that do not fit, and where the first observation is not within its limits; RunError
         if an FMU refuses to start.
         """
         super().reset(seed=seed)
         self.over, self.message, self.ended_at = True, "", None
-        values = {name: drawn(name, draw, self.np_random) for name, draw in {**self.draws, **(options or {})}.items()}
+        values = {name: drawn(name, draw, self.np_random) for name, draw in self.draws.items()}  # also those replaced
+        if options:  # from numbers of their own: later episodes draw what they would without them
+            apart, = self.np_random.spawn(1)
+            values |= {name: drawn(name, draw, apart) for name, draw in options.items()}
         row = self.flown.begin(values)
         places = self.flown.places
         self.shown = np.array([places[port.name] for port in self.observations])

@@ -57,8 +57,8 @@ class Function:
                 variable("figures", name, files)
             outputs = recorded_names(flown, files, None if record is None else list(record))
         functions = any(callable(figure) for figure in figures.values())
-        self.kept = Kept(flown, record=[*named, *(outputs if functions else ())])
-        columns = self.kept.ready({}).columns
+        self.system, self.kept = flown, Kept(record=[*named, *(outputs if functions else ())])
+        columns = self.kept.ready(flown).columns
         self.figures = {word: of_flight(word, figure, [c.name for c in columns]) for word, figure in figures.items()}
         self.recorder = Whole(columns, self.ticks + 2)
 
@@ -90,7 +90,7 @@ class Function:
         """The flight with `values`, shape (inputs,); its rows are valid until the next one. One that did not start is
         None. Raises what a call does."""
         try:
-            master = self.kept.ready(dict(zip(self.inputs, values.tolist())))
+            master = self.kept.ready(self.system.with_values(dict(zip(self.inputs, values.tolist()))))
             flight = fly_loaded(master, self.method, self.step, self.ticks, start=self.start,
                                 recorder=self.recorder.restart())
         except RunError:

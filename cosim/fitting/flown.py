@@ -1,14 +1,12 @@
 """Measured flights flown with trial values: here, or in processes of their own, which may crash and hang."""
 import faulthandler
 import os
-import signal
-import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from dataclasses import dataclass, field
-from multiprocessing import get_context, parent_process
+from multiprocessing import get_context
 
 import numpy as np
 
@@ -16,10 +14,11 @@ from ..errors import RunError
 from ..master.algorithms import method
 from ..master.flight import Flight
 from ..master.fly import fly_loaded
-from ..master.loaded import Master, open_files
+from ..master.kept import KeptSystems
+from ..master.loaded import Master
 from ..master.system import System
 from ..master.table import Table
-from ..processes import PARENT_DEATH, prctl
+from ..processes import as_worker
 
 LONGEST_S = 1e6
 ENDLESS = 1e100  # a value that counts as infinite: the square of what is less is a number
@@ -65,7 +64,7 @@ class Bench:
 
     def __init__(self, plans: Plans):
         self.plans = plans
-        self.loaded: dict[int, tuple[Master, ExitStack]] = {}
+        self.kept = KeptSystems()
         self.method = method(plans.algorithm)
         self.record = sorted({name for plan in plans.flights for name in plan.wanted})
 
@@ -73,21 +72,8 @@ class Bench:
         """A master that is ready to initialise `system`, as the flight at `place` has it. Raises RunError if an FMU
         does not load, UsageError for values that do not fit."""
         table = self.plans.flights[place].inputs
-        key = place if table else -1
-        if key in self.loaded:
-            try:
-                self.loaded[key][0].reset(system)
-                return self.loaded[key][0]
-            except RunError:
-                self.drop(key)
-        if any(instance.only_one for master, _ in self.loaded.values() for instance in master.instances):
-            self.close()
-        with ExitStack() as stack:
-            files = stack.enter_context(open_files(system))
-            master = Master(system, files, self.record, tolerance=self.plans.tolerance, table=table)
-            stack.callback(master.close)
-            self.loaded[key] = master, stack.pop_all()
-        return master
+        return self.kept.ready(place if table else -1, system, record=self.record, tolerance=self.plans.tolerance,
+                               table=table)
 
     def fly(self, trial: Trial) -> Shown:
         """One flight. A flight that does not begin shows nothing. Raises UsageError for values that do not fit."""
@@ -99,19 +85,12 @@ class Bench:
         except RunError as error:
             return nothing(plan, str(error))
         finally:
-            for key, (master, _) in list(self.loaded.items()):
-                if not all(instance.alive for instance in master.instances):
-                    self.drop(key)
+            self.kept.drop_dead()
         return Shown(shown(flight, plan.wanted, plans.step), flight.message)
-
-    def drop(self, key: int) -> None:
-        """Unload a system."""
-        self.loaded.pop(key)[1].close()
 
     def close(self) -> None:
         """Unload all systems."""
-        for key in list(self.loaded):
-            self.drop(key)
+        self.kept.close()
 
 
 def shown(flight: Flight, wanted: Mapping[str, np.ndarray], step: float) -> np.ndarray:
@@ -134,19 +113,9 @@ NOWHERE = open(os.devnull, "w")  # noqa: SIM115
 
 
 def begin(plans: Plans) -> None:
-    """Prepare a worker process. Ctrl-C is for the parent, and no worker outlives it, not even in an FMU's call."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    prctl(PARENT_DEATH, signal.SIGKILL)
-    threading.Thread(target=end_with_parent, daemon=True).start()
+    """Prepare a worker process."""
+    as_worker()
     BENCH[:] = [Bench(plans)]
-
-
-def end_with_parent() -> None:
-    """Wait for the end of the parent process, then end this one."""
-    parent = parent_process()
-    assert parent is not None
-    parent.join()
-    os._exit(1)
 
 
 def flown_here(trial: Trial) -> Shown:

@@ -14,18 +14,19 @@ from ..master.folder import claimed
 from ..master.publish import publish
 from ..master.results import write_parquet
 from ..master.table import TIME
+from ..pictures import PNG, Format
 from .fit import Fit, Subject, fit
 
 
 def fit_into(out: Path | None, subject: Subject, data: Sequence[str], parameters: Sequence[str], *words: Sequence[str],
-             **options: Any) -> tuple[Fit, dict[str, Any], str]:
+             form: Format = PNG, **options: Any) -> tuple[Fit, dict[str, Any], str]:
     """What `fit.fit` finds, its summary as fit.json has it, and which results did not find room (empty if all did).
-    They go to `out`, else to results/fit/SYSTEM. Raises what `fit` raises."""
+    They go to `out`, else to results/fit/SYSTEM, with pictures as `form` says. Raises what `fit` raises."""
     with claimed(out, "fit", subject.found.name) as folder:
         done = fit(subject, data, parameters, *words, **options)
         for k, flight in enumerate(done.summary["flights"]):
             flight["command"] = command(subject, done, k, folder)
-        published = publish(folder, "fit", done.summary, partial(write, done), [partial(draw, done)])
+        published = publish(folder, "fit", done.summary, partial(write, done), [partial(draw, done, form)])
     return done, {**done.summary, "out": str(published.folder)}, published.trouble
 
 
@@ -60,7 +61,7 @@ def write(done: Fit, folder: Path) -> None:
             pyarrow.csv.write_csv(columns, (folder / inputs_file(place)).absolute())
 
 
-def draw(done: Fit, folder: Path) -> None:
+def draw(done: Fit, form: Format, folder: Path) -> None:
     """The pictures. Raises OSError."""
     from .picture import Course, Panel  # matplotlib is slow to import
     from .picture import draw as draw_panels
@@ -76,7 +77,7 @@ def draw(done: Fit, folder: Path) -> None:
     found = ", ".join(f"{p.name} = {done.values[p.name]:.5g}{spread(done, p.name)} {p.unit}".rstrip()
                       for p in done.request.parameters[:3])
     more = f" and {len(done.request.parameters) - 3} more" if len(done.request.parameters) > 3 else ""
-    draw_panels(folder, panels, names, f"{found}{more}")
+    draw_panels(folder, panels, names, f"{found}{more}", form)
 
 
 def spread(done: Fit, name: str) -> str:

@@ -16,6 +16,7 @@
     table         inputs over time                      look_up       what a table has at a tick, for the loops
     state         a flight saved and gone on from       ssp2          SSP 2.0 in the words of 1.0
     pace          real time                             isolated      a flight in a process of its own
+    desk          inputs stepped while it flies
     last_call     the current FMU call, for `isolated`  results       a flight written to a folder
     standards     what differs between versions of FMI  fmi2, fmi3    each of them
     library       the shared library of an FMU          logger        what FMUs log

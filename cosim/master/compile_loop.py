@@ -14,6 +14,7 @@ from platformdirs import user_cache_path
 
 from ..temporary import Folder
 from . import program
+from .whole_file import replacing
 
 SOURCE = Path(__file__).with_name("loop.c")
 BUILT = Path(__file__).with_name("built")  # of a checkout and of a wheel
@@ -56,11 +57,8 @@ def compile_to(path: Path, platform: str) -> None:
         zig = [sys.executable, "-m", "ziglang", "cc", "-target", PLATFORMS[platform][0]]
         subprocess.run([*zig, *FLAGS, "loop.c", "-o", "library"], cwd=folder, env={**os.environ, **caches}, check=True,
                        capture_output=True)
-        try:
+        with replacing(path, partial):
             partial.write_bytes(dateless((folder / "library").read_bytes()))
-            partial.replace(path)
-        finally:
-            partial.unlink(missing_ok=True)
 
 
 def dateless(content: bytes) -> bytes:

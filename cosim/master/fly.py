@@ -10,6 +10,7 @@ import numpy as np
 from ..errors import RunError, UsageError
 from .algorithms import Method, method
 from .algorithms.base import Algorithm, Experiment
+from .desk import Desk
 from .flight import Flight
 from .instance import Instance
 from .interruptions import interruptions
@@ -60,7 +61,7 @@ def fly(system: System, step: float, stop: float, algorithm: str | Method = "gau
         record: list[str] | None = None, decimate: int = 1, plain: bool = False,
         real_time: float | None = None, stream: Path | None = None, recorder: MakeRecorder | None = None,
         begun: Begun | None = None, flown: Flown | None = None, inputs: Table | None = None,
-        save: Path | None = None, restore: State | None = None) -> Flight:
+        save: Path | None = None, restore: State | None = None, desk: Desk | None = None) -> Flight:
     """Fly `system` from `start` (None: the system's) to `stop` (s) in communication steps of `step` (s).
 
     `algorithm` is a word as in `algorithms.method`. `tolerance` is the relative one that FMUs are asked to keep (None:
@@ -70,7 +71,8 @@ def fly(system: System, step: float, stop: float, algorithm: str | Method = "gau
     paces the run, times that factor. `recorder` makes another place for the rows, and `begun` is told before the first
     tick what is known by then, with the FMU calls of the programs; `flown` is told the flight before its FMUs
     are ended. `inputs` has inputs over time. `save` is a file for the whole state at the end, `restore` the state of
-    such a file to go on from: to the last bit as the flight that it was saved of would have gone on.
+    such a file to go on from: to the last bit as the flight that it was saved of would have gone on. `desk` steps
+    inputs while the flight flies; they are recorded as well.
 
     An FMU that refuses a step ends the run early: what was flown is in the result, `finished` is false
     and `message` names the FMU, the call, the time and its reason. So does Ctrl-C. An FMU may also end the simulation
@@ -90,14 +92,16 @@ def fly(system: System, step: float, stop: float, algorithm: str | Method = "gau
         raise UsageError(f"--tolerance {tolerance:g} must be a positive number.")
     began = time.perf_counter()
     with open_files(system) as files:
-        master = Master(system, files, record, plain, decimate > 1, tolerance, inputs)
+        master = Master(system, files, record, plain, decimate > 1, tolerance, inputs, desk.inputs if desk else ())
         try:
+            if desk:
+                desk.connect(master)
             if save or restore:
                 need_serialised(master)
             flight = fly_loaded(master, chosen, step, ticks, progress, decimate, real_time,
                                 recorder(master.columns) if recorder else make_recorder(
                                     master.columns, stream, row_count(step, stop, decimate, start)),
-                                begun, began, start, restore, bool(save or restore))
+                                begun, began, start, restore, bool(save or restore), desk)
             if save and flight.ended_at is None and (flight.finished or flight.interrupted):
                 keep_state(save, master, flight, start, step, chosen.word, restore.tick if restore else 0)
             if flown:
@@ -121,7 +125,7 @@ def make_recorder(columns: list[Signal], stream: Path | None, rows: int) -> Reco
 def fly_loaded(master: Master, chosen: Method, step: float, ticks: int, progress: Progress | None = None,
                decimate: int = 1, real_time: float | None = None, recorder: Recorder | None = None,
                begun: Begun | None = None, began: float | None = None, start: float = 0.0,
-               restore: State | None = None, goes_on: bool = False) -> Flight:
+               restore: State | None = None, goes_on: bool = False, desk: Desk | None = None) -> Flight:
     """The same with FMUs that are loaded, or were reset (`Master.reset`), from `start` (s) on; with a state from where
     that was saved, where `start` and `ticks` are those of the whole flight. If it `goes_on`, FMUs are told no stop."""
     began = time.perf_counter() if began is None else began
@@ -149,7 +153,7 @@ def fly_loaded(master: Master, chosen: Method, step: float, ticks: int, progress
     pace = Pace(real_time, step) if real_time else None
     began = time.perf_counter()
     with interruptions() as interrupted:
-        flight.message, flight.ended_at = advance(running, experiment, progress, pace, interrupted)
+        flight.message, flight.ended_at = advance(running, experiment, progress, pace, interrupted, desk)
         flight.wall_s = time.perf_counter() - began
         flight.finished = not flight.message or flight.ended_at is not None
         flight.ticks = running.ticks - experiment.first
@@ -174,7 +178,7 @@ def take_rows(flight: Flight, recorder: Recorder) -> None:
 
 
 def advance(algorithm: Algorithm, experiment: Experiment, progress: Progress | None, pace: Pace | None,
-            interrupted: list[int]) -> tuple[str, float | None]:
+            interrupted: list[int], desk: Desk | None = None) -> tuple[str, float | None]:
     """Advance to the stop in chunks of about CHUNK_S, until there is something in `interrupted`; why it ended early, or
     an empty text, and the time (s) at which an FMU ended the simulation if one did."""
     most, limit = 16, CHUNK_ROWS * experiment.decimate
@@ -184,6 +188,8 @@ def advance(algorithm: Algorithm, experiment: Experiment, progress: Progress | N
                 return f"Interrupted at t = {algorithm.time:.6g} s.", None
             if pace:
                 pace.wait(algorithm.time, interrupted)
+            if desk:
+                desk.tick(algorithm.time, pace.late[-1] if pace else 0.0)
             chunk = time.perf_counter()
             algorithm.advance(1 if pace else most)
             took = time.perf_counter() - chunk

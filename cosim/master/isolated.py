@@ -19,6 +19,7 @@ from ..errors import Interrupted, RunError, UsageError
 from ..temporary import Folder
 from . import last_call
 from . import program as P
+from .desk import Watch
 from .flight import Flight
 from .fly import MakeRecorder, fly, known_of, make_recorder, row_count, take_rows
 from .guard import LOOK_S, Guarded
@@ -61,9 +62,10 @@ class Sender(Recorder):
 
 def fly_isolated(system: System, step: float, stop: float, algorithm: str, progress: Progress | None = None,
                  time_limit: float | None = None, stream: Path | None = None,
-                 meanwhile: Callable[[], None] | None = None, **options: Any) -> Flight:
+                 meanwhile: Callable[[], None] | None = None, watch: Watch | None = None, **options: Any) -> Flight:
     """`fly.fly` in a process of its own. An FMU call that takes longer than `time_limit` (s) ends the flight; a
-    signal ends it within GRACE_S, in whatever call it is. `meanwhile` is called here once the process has begun.
+    signal ends it within GRACE_S, in whatever call it is. `meanwhile` is called here once the process has begun;
+    `watch` is told here what comes from it.
 
     Raises what `fly` raises; RunError also for a crash or a hang before the first tick, Interrupted for a signal then.
     """
@@ -83,7 +85,7 @@ def fly_isolated(system: System, step: float, stop: float, algorithm: str, progr
             if meanwhile:
                 meanwhile()
             return Parent(guarded, ours, place, lambda columns: make_recorder(columns, stream, rows), progress,
-                          time_limit, interrupted).wait()
+                          time_limit, interrupted, watch).wait()
         finally:
             guarded.end()
             ours.close()
@@ -105,9 +107,10 @@ def run_child(end: End, place: last_call.Place, folder: Path, flight: Callable[[
 class Parent:
     """The process that waits: it collects rows and progress, and ends the child when an FMU call takes too long."""
     def __init__(self, guarded: Guarded, end: End, place: last_call.Place, make: MakeRecorder,
-                 progress: Progress | None, limit: float | None, interrupted: list[int]):
+                 progress: Progress | None, limit: float | None, interrupted: list[int],
+                 watch: Watch | None = None):
         self.guarded, self.end, self.place, self.make, self.progress = guarded, end, place, make, progress
-        self.limit, self.interrupted = limit, interrupted
+        self.limit, self.interrupted, self.watch = limit, interrupted, watch
         self.recorder: Recorder | None = None
         self.head: Flight | None = None   # what is known before the first tick; all that is, once it has flown
         self.flown = False
@@ -167,10 +170,14 @@ class Parent:
             self.head, self.calls = rest
             self.recorder = self.make(self.head.columns)
             self.recorder.about(known_of(self.head))
+            if self.watch:
+                self.watch.begun(self.head)
         elif kind == "rows":
             assert self.recorder is not None
             self.recorder.keep(*rest)
             self.until = float(rest[0][-1])
+            if self.watch:
+                self.watch.rows(*rest)
         elif kind == "flown":
             self.head, self.flown = rest[0], True
         elif kind == "error":

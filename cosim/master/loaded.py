@@ -2,7 +2,7 @@
 
 The algorithms (`algorithms`) say what to do on a tick, as programs; `flight` flies from start to stop.
 """
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from functools import cached_property
 from typing import Protocol
@@ -51,11 +51,11 @@ class Master:
 
     def __init__(self, system: System, files: dict[str, FmuFile], record: list[str] | None = None,
                  plain: bool = False, apart: bool = False, tolerance: float | None = None,
-                 table: Table | None = None):
+                 table: Table | None = None, also: Iterable[str] = ()):
         """`files` has the open FMU file of every component; `record` picks variables by component.variable,
         * for any (None: all numeric outputs); `plain` takes the loop in Python; `apart` reads what is only to be
         recorded by calls of its own, so that programs can leave them out; `tolerance` is the relative one that FMUs
-        are asked for (None: what each declares); `table` has inputs over time.
+        are asked for (None: what each declares); `table` has inputs over time; `also` is recorded in any case.
 
         Raises UsageError for values, connections, patterns or a table that do not fit the FMUs, RunError if an FMU
         does not instantiate.
@@ -64,7 +64,7 @@ class Master:
         self.values: dict[str, dict[str, Value]] = {}
         self.values = self.checked_values(system)
         self.targets = checked_connections(system, files)
-        recorded = recorded_names(system, files, record)
+        recorded = recorded_names(system, files, record).union(also)
         self.inputs = inputs_of(table, files, self.targets) if table else None
         self.cursor = last_call.place.cursor if last_call.place else P.cursor()
         self.span = last_call.place.span if last_call.place else np.zeros(2)

@@ -64,7 +64,7 @@ def plot(flight: "Flight", names: Sequence[str]) -> Figure:
 
 def drawn(flight: "Flight", panels: Sequence[tuple[str, list[Curve]]], columns: int = 2) -> Figure:
     """A figure with these panels above each other: the unit and the curves of each. Equal curves are one."""
-    shown = [pictures.Panel(without_math(unit), pictures.merged(
+    shown = [pictures.Panel(without_math(unit or "1"), pictures.merged(
         [pictures.Curve(without_math(one.label), one.time, one.values) for one in curves]), 1.6)
         for unit, curves in panels]
     ended = f"ended at {flight.reached:.6g} s" if flight.message else ""

@@ -34,7 +34,8 @@ class Stepped:
                              f"communication steps of a flight.")
         self.start, self.step, self.ticks, self.chosen, self.hold = system.start, step, ticks, chosen, hold
         # The inputs are a table of one row, which is written anew before each step.
-        self.kept = Kept(system, record=list(record), apart=hold > 1, table=Table(
+        self.system = system
+        self.kept = Kept(record=list(record), apart=hold > 1, table=Table(
             Path("actions"), np.array([system.start]), {name: np.array([x]) for name, x in inputs.items()}))
         self.recorder: Whole | None = None
         self.running: Algorithm | None = None
@@ -45,7 +46,7 @@ class Stepped:
         Raises UsageError for values that do not fit, RunError if an FMU refuses.
         """
         self.running = None
-        master = self.kept.ready(values)
+        master = self.kept.ready(self.system.with_values(values))
         assert master.inputs is not None
         self.given: np.ndarray = master.inputs.rows[0]
         for i, name in enumerate(master.inputs.names):

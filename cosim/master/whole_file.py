@@ -22,17 +22,27 @@ def synced(path: Path) -> None:
 
 
 @contextmanager
+def replacing(path: Path, partial: Path) -> Iterator[Path]:
+    """`partial`, beside `path`, to write to: it takes the place of `path` at the end and is removed after an exception.
+
+    Raises OSError if that is not possible.
+    """
+    try:
+        yield partial
+        partial.replace(path)
+    finally:
+        partial.unlink(missing_ok=True)
+
+
+@contextmanager
 def whole(path: Path) -> Iterator[Path]:
-    """A file beside `path` to write to, which takes the place of `path` at the end and is removed after an exception.
+    """As `replacing`, with a name of its own, and on the disk before it takes the place of `path`.
 
     Raises RunError, one sentence, if it cannot be written: the disk is full, for example. `path` is then as before.
     """
-    partial = path.with_name(f".{path.name}.partial")
     try:
-        yield partial
-        synced(partial)
-        partial.replace(path)
+        with replacing(path, path.with_name(f".{path.name}.partial")) as partial:
+            yield partial
+            synced(partial)
     except OSError as error:
         raise RunError(f"{path} cannot be written: {reason(error)}.") from None
-    finally:
-        partial.unlink(missing_ok=True)

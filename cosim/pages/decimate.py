@@ -1,7 +1,10 @@
 """Fewer points for the same picture: of each part of the rows the least and the greatest value."""
 import base64
+from collections.abc import Sequence
 
 import numpy as np
+
+SMALL, LARGE = 1e-30, 1e30  # what 32-bit floats hold with all their digits
 
 
 def kept(values: np.ndarray, points: int) -> np.ndarray:
@@ -24,14 +27,40 @@ def kept(values: np.ndarray, points: int) -> np.ndarray:
 
 def packed(time: np.ndarray, values: np.ndarray, points: int) -> dict[str, object]:
     """A curve for the page's script: times from `time[0]` on and values from `base` on, as base64 of little-endian
-    32-bit floats. Differences from a base have the digits that an altitude of 85,000 ft would lose."""
+    32-bit floats. Differences from a base have the digits that an altitude of 85,000 ft would lose. Differences too
+    large or too small for 32 bits are divided by `scale`."""
     rows = kept(values, points)
-    finite = values[rows][np.isfinite(values[rows])]
+    chosen = values[rows]
+    finite = chosen[np.isfinite(chosen)]
     base = float(finite[0]) if len(finite) else 0.0
-    return {"t": text(time[rows] - time[0]), "y": text(values[rows] - base), "base": base}
-
-
-def text(numbers: np.ndarray) -> str:
-    """Numbers as base64 of little-endian 32-bit floats."""
     with np.errstate(over="ignore"):
-        return base64.b64encode(numbers.astype("<f4").tobytes()).decode()
+        largest = float(np.nan_to_num(np.abs(finite - base)).max(initial=0.0))
+    if largest == 0.0 or SMALL < largest < LARGE:
+        return {"t": text(time[rows] - time[0]), "y": text(chosen - base), "base": base}
+    scale = 2.0 ** min(max(int(np.frexp(largest)[1]), -1021), 1023)
+    return {"t": text(time[rows] - time[0]), "y": text(chosen / scale - base / scale), "base": base, "scale": scale}
+
+
+def text(numbers: np.ndarray, kind: str = "<f4") -> str:
+    """Numbers as base64 of little-endian 32-bit floats, or of another `kind` of numpy's."""
+    with np.errstate(over="ignore"):
+        return base64.b64encode(numbers.astype(kind).tobytes()).decode()
+
+
+GAP = 65535  # where there is no finite value
+
+
+def rounded(values: np.ndarray, begins: Sequence[int] | np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Curves one after the other in `values`, which begin at the rows `begins`: the least value and a step of each, and
+    how many steps each value lies above the least: whole numbers of 16 bits, which a screen cannot tell from the
+    values. GAP where there is no finite value. No curve is empty."""
+    if not len(values):
+        return np.empty(0), np.empty(0), np.empty(0)
+    finite = np.isfinite(values)
+    low = np.minimum.reduceat(np.where(finite, values, np.inf).astype(float), begins)
+    high = np.maximum.reduceat(np.where(finite, values, -np.inf).astype(float), begins)
+    low, high = np.where(low > high, 0.0, low), np.where(low > high, 0.0, high)
+    step = np.where(high > low, (high - low) / (GAP - 1), 1.0)
+    lengths = np.diff([*begins, len(values)])
+    above = (np.where(finite, values, 0.0) - np.repeat(low, lengths)) / np.repeat(step, lengths)
+    return low, step, np.where(finite, np.rint(above), GAP)

@@ -7,7 +7,7 @@ import numpy as np
 from ..errors import UsageError
 from ..master.flight import Flight
 from ..master.folder import kind_of
-from ..master.publish import KINDS, read
+from ..master.publish import KINDS, OWN, ROWS, read
 from ..master.results import SIGNALS
 from ..master.wiring import Signal
 
@@ -39,6 +39,11 @@ def read_flight(folder: Path) -> tuple[Flight, dict[str, Any]]:
     import pyarrow.parquet
 
     record, path = read(folder / "run.json"), folder / SIGNALS
+    if not path.is_file():
+        if (folder / OWN / ROWS).exists():
+            raise UsageError(f"{folder} has rows of a flight that was killed: `ahv recover {folder}` makes results of "
+                             f"them.")
+        raise UsageError(f"{path} cannot be read: there is no such file.")
     try:
         table = pyarrow.parquet.read_table(path.absolute())
         names = list(table.column_names)

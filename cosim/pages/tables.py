@@ -5,7 +5,8 @@ from typing import Any
 from ..text import html_table, html_text
 from .flown import Flown, Mark
 
-NO_FIGURES = ("fmus", "parameters", "signals", "versions", "files", "kind", "message", "warnings", "presets", "out")
+NO_FIGURES = ("fmus", "parameters", "signals", "versions", "files", "kind", "message", "warnings", "presets", "out",
+              "live")
 
 
 def flat(record: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:

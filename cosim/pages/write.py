@@ -23,6 +23,7 @@ FILES = Path(__file__).parent / "page"
 POINTS = 110_000         # of all curves of a page: about 1.2 MB
 FEWEST, MOST = 64, 6000  # of one curve
 SIGNALS = 2000           # of one page
+UNFOLDED = 3             # flights whose ends are told one by one at the top
 CHOSEN, PANELS = 8, 6    # curves of a panel and panels that are shown at first, where no room says which
 
 
@@ -34,6 +35,7 @@ def page(title: str, flown: Sequence[Flown], panels: Sequence[Panel] = (), comma
     page; `notes` are sentences at its top. `tables` are further sections: title and HTML.
     """
     data = data_of(flown, panels)
+    notes = [*notes, *missing(flown, len(data["signals"]))]
     marks = [(one.name if len(flown) > 1 else "", mark) for one in flown for mark in marks_of(one)]
     sections = [
         *commands(command),
@@ -44,8 +46,16 @@ def page(title: str, flown: Sequence[Flown], panels: Sequence[Panel] = (), comma
         ("Parameters", parameters_tables(flown)),
     ]
     body = read("curves.html").replace("{{marks}}", marks_table(marks)) + "".join(map(section, sections))
-    return filled(title, "".join(map(outcome, flown)) + "".join(f'<p class="note">{html_text(n)}</p>' for n in notes),
-                  body, {"bokeh": library(), "page": read("page.js")}, data)
+    return filled(title, outcomes(flown) + "".join(f'<p class="note">{html_text(n)}</p>' for n in notes),
+                  body, scripts(), data)
+
+
+def missing(flown: Sequence[Flown], shown: int) -> list[str]:
+    """Sentences on signals that a page does not have."""
+    count = len({name for one in flown for name in (*one.flight, *one.curves)})
+    if not count:
+        return ["No signals were recorded."]
+    return [f"The page has {shown} of the {count} signals."] if shown < count else []
 
 
 def plain(title: str, parts: Sequence[tuple[str, str, bool]], command: str = "") -> str:
@@ -58,6 +68,11 @@ def plain(title: str, parts: Sequence[tuple[str, str, bool]], command: str = "")
 def commands(command: str) -> list[tuple[str, str]]:
     """The section with the command that made the page, if it is known."""
     return [("The command", f"<pre>{html_text(command)}</pre>")] if command else []
+
+
+def scripts() -> dict[str, str]:
+    """The scripts of a page with curves, in their order."""
+    return {"bokeh": library(), **{name: read(f"{name}.js") for name in ("base", "curves", "page")}}
 
 
 def filled(title: str, outcome: str, body: str, scripts: Mapping[str, str], data: object) -> str:
@@ -132,6 +147,16 @@ def run_of(one: Flown, names: Iterable[str], points: int) -> dict[str, Any]:
 def marks_of(one: Flown) -> list[Mark]:
     """The marks of its room, and its end if it was early."""
     return [*one.marks, *ending(one.flight)]
+
+
+def outcomes(flown: Sequence[Flown]) -> str:
+    """How the flights ended, as HTML; of many flights first how many ended early, so that the curves are near."""
+    told = "".join(map(outcome, flown))
+    if len(flown) <= UNFOLDED:
+        return told
+    early = sum(not one.flight.finished for one in flown)
+    text = f"{early} of {len(flown)} flights ended early" if early else f"All {len(flown)} flights finished"
+    return f'<details class="outcome{" bad" if early else ""}"><summary>{text}</summary>{told}</details>'
 
 
 def outcome(one: Flown) -> str:

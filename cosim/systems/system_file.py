@@ -17,10 +17,11 @@ from os.path import isfile
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, ValidationInfo
+from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo
 
 from .. import names
 from ..errors import UsageError, did_you_mean
+from ..fields import Finite, Positive, Strict
 from ..master.algorithms import method
 from ..master.connections import checked_connections
 from ..master.fly import tick_count
@@ -30,8 +31,6 @@ from ..master.system import Component, Connection, System, Value
 from ..yaml_file import Source
 
 WIRE = re.compile(r"\s*(\S.*?)\s*->\s*(\S.*?)\s*")
-Finite = Annotated[float, Field(allow_inf_nan=False)]
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 
 
 def value(given: Any) -> Any:
@@ -80,11 +79,6 @@ Given = Annotated[Any, BeforeValidator(value)]
 Values = Annotated[dict[str, Given], BeforeValidator(fields)]
 
 
-class Strict(BaseModel):
-    """A model that refuses fields it does not know."""
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
 class Part(Strict):
     """A component."""
     fmu: str = Field(min_length=1, description="beside the system file, or an absolute path")
@@ -114,7 +108,7 @@ class SystemFile(Strict):
     name: Annotated[str, AfterValidator(names.checked)] | None = None
     components: Annotated[dict[str, Annotated[Part, BeforeValidator(part)]], Field(min_length=1),
                           BeforeValidator(fields)]
-    connections: list[Annotated[Wire, BeforeValidator(wire)]] = []
+    connections: list[Annotated[Wire, BeforeValidator(wire)]] = Field(default=[])
     parameters: Values = Field(default={}, description="component.variable -> value")
     experiment: Annotated[Run, BeforeValidator(fields)] = Run()
 

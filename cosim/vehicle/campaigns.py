@@ -2,11 +2,12 @@
 from collections.abc import Container, Mapping, Sequence, Set
 from os.path import isfile
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
-from pydantic import BaseModel, ConfigDict, Field, field_validator
+from pydantic import BaseModel, Field, field_validator
 
 from .. import names
+from ..fields import Name, Setting, Strict
 from ..master.system import System, Value
 from ..yaml_file import Source
 from . import scenarios
@@ -18,18 +19,13 @@ from .signals import course
 if TYPE_CHECKING:
     from ..campaign.subject import Figure, Measure, TakeCourse
 
-Name = Annotated[str, Field(pattern=r"^\w+\.[^\s=]+$")]  # component.variable
-Finite = Annotated[float, Field(allow_inf_nan=False)]
 
-
-class Law(BaseModel):
+class Law(Strict):
     """A controller to fly, by a word or as NAME=FILE.fmu; `name` tells two presets of one law apart."""
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
     law: str
     preset: str | None = Field(default=None, description="else the scenario's, or the law's own")
     name: str = ""
-    set: dict[Name, Finite | bool | str] = {}
+    set: dict[Name, Setting] = Field(default={})
 
     @field_validator("name")
     @classmethod
@@ -37,10 +33,8 @@ class Law(BaseModel):
         return names.checked(value) if value else value
 
 
-class ScenarioFields(BaseModel):
+class ScenarioFields(Strict):
     """What a campaign file says of a scenario's flights."""
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
     scenario: str
     controllers: list[Law] = Field(default=["neural"], min_length=1, validate_default=True)  # type: ignore[list-item]
     presets: dict[str, str] = Field(default={}, description="of other components")
@@ -57,10 +51,7 @@ class ScenarioFields(BaseModel):
     @classmethod
     def named(cls, value: list[Law]) -> list[Law]:
         found = [law if law.name else law.model_copy(update={"name": law_name(law.law)}) for law in value]
-        called = [law.name for law in found]
-        for name in called:
-            if called.count(name) > 1:
-                raise ValueError(f"two controllers are called {name}: give each a name of its own")
+        names.distinct("controllers", (law.name for law in found))
         return found
 
 

@@ -54,10 +54,10 @@ PICTURES: list[tuple[str, str, tuple[Panel, ...]]] = [
         Panel("Q (deg/s)", (("", "plant.Q", PLAIN),), True))),
     ("inputs", "Control inputs", (
         Panel("fuel ratio Φ (1)", (("", "controller.fuel_ratio", PLAIN),)),
-        Panel("elevator $δ_e$ (deg)", (("", "controller.elevator", PLAIN),), True))),
+        Panel("elevator δₑ (deg)", (("", "controller.elevator", PLAIN),), True))),
     ("flexible", "Flexible states", (
-        Panel("$η_1$ (slug$^{1/2}$ ft$^{1/2}$)", (("", "plant.eta1", PLAIN),)),
-        Panel("$η_2$ (slug$^{1/2}$ ft$^{1/2}$)", (("", "plant.eta2", PLAIN),)))),
+        Panel("η₁ (√(slug ft))", (("", "plant.eta1", PLAIN),)),
+        Panel("η₂ (√(slug ft))", (("", "plant.eta2", PLAIN),)))),
 ]
 
 

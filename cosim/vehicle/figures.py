@@ -38,19 +38,19 @@ PICTURES: list[tuple[str, str, tuple[Panel, ...]]] = [
               also=(("command", "scenario.h_command", COMMAND),)),
         Panel("h error (ft)", (("", "plant.h - controller.h_reference", PLAIN),)))),
     ("attitude", "Attitude angles", (
-        Panel("γ (deg)", (("command $γ_d$", "controller.gamma_command", REFERENCE), ("γ", "plant.gamma", PLAIN)), True),
-        Panel("γ − $γ_d$ (deg)", (("", "plant.gamma - controller.gamma_command", PLAIN),), True),
+        Panel("γ (deg)", (("command", "controller.gamma_command", REFERENCE), ("γ", "plant.gamma", PLAIN)), True),
+        Panel("γ less its command (deg)", (("", "plant.gamma - controller.gamma_command", PLAIN),), True),
         Panel("θ (deg)", (("", "plant.theta", PLAIN),), True),
         Panel("Q (deg/s)", (("", "plant.Q", PLAIN),), True))),
     ("inputs", "Control inputs", (
         Panel("fuel ratio Φ (1)", (("", "controller.fuel_ratio", PLAIN),)),
-        Panel("elevator $δ_e$ (deg)", (("", "controller.elevator", PLAIN),), True))),
+        Panel("elevator δₑ (deg)", (("", "controller.elevator", PLAIN),), True))),
     ("flexible", "Flexible states", (
-        Panel("$η_1$ (slug$^{1/2}$ ft$^{1/2}$)", (("", "plant.eta1", PLAIN),)),
-        Panel("$η_2$ (slug$^{1/2}$ ft$^{1/2}$)", (("", "plant.eta2", PLAIN),)))),
+        Panel("η₁ (√(slug ft))", (("", "plant.eta1", PLAIN),)),
+        Panel("η₂ (√(slug ft))", (("", "plant.eta2", PLAIN),)))),
     ("phi_hat", "Adapted parameters of the networks", (
-        Panel("$\\hat\\varphi_1$, velocity (1/s)", (("", "controller.phi_hat_1", PLAIN),)),
-        Panel("$\\hat\\varphi_2$, altitude (1/s)", (("", "controller.phi_hat_2", PLAIN),)))),
+        Panel("φ̂₁, velocity (1/s)", (("", "controller.phi_hat_1", PLAIN),)),
+        Panel("φ̂₂, altitude (1/s)", (("", "controller.phi_hat_2", PLAIN),)))),
 ]
 # Not in the paper, so without a number.
 MORE: list[tuple[str, str, tuple[Panel, ...]]] = [

@@ -1,5 +1,5 @@
 """What a page shows of our flights: which curves, which errors, and what happened when."""
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -24,6 +24,7 @@ PANELS = (
     Panel("Flexible modes", ("plant.eta1", "plant.eta2")),
     Panel("Adapted parameters", ("controller.phi_hat_1", "controller.phi_hat_2")),
     Panel("Scales of the coefficients", tuple(f"scenario.{name}" for name in SCALES)),
+    Panel("Scales of the coefficients as flown", tuple(f"plant.{name}" for name in SCALES)),
 )
 FLAGS = (("controller.fuel_ratio_saturated", "saturation of the fuel ratio"),
          ("controller.elevator_saturated", "saturation of the elevator"),
@@ -36,7 +37,7 @@ def looked_at(name: str, flight: Flight, record: Mapping[str, Any]) -> Flown:
     """A flight of the closed loop as a page shows it; `record` is what run.json says of it."""
     curves = {label: Curve(course(flight, text), unit, text) for label, (text, unit) in ERRORS.items()
               if known(flight, text)}
-    return Flown(name, flight, record, curves, marks(flight))
+    return Flown(name, flight, record, curves, [*marks(flight), *by_hand(record.get("live", []))])
 
 
 def marks(flight: Flight) -> list[Mark]:
@@ -49,6 +50,12 @@ def marks(flight: Flight) -> list[Mark]:
         if name in flight:
             found += steps(flight, name, what, unit)
     return found
+
+
+def by_hand(made: Sequence[Mapping[str, Any]]) -> list[Mark]:
+    """The steps of a live flight, as run.json lists them."""
+    return [Mark("step made by hand", f"{step['input']} {step['value']:+.4g}" if step["value"] else
+                 f"{step['input']} back", step["time"]) for step in made]
 
 
 def steps(flight: Flight, name: str, what: str, unit: str) -> list[Mark]:

@@ -1,5 +1,6 @@
 """One flight of a scenario, from words to a folder of results: what `ahv run` does."""
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -35,7 +36,8 @@ def run(scenario: str | Scenario, controller: str = "neural", preset: Mapping[st
         algorithm: str = "gauss-seidel", values: Values | None = None, uncertainty: float | None = None,
         decimate: int = 1, stream: bool = False, isolate: bool = False, time_limit: float | None = None,
         plain: bool = False, real_time: float | None = None, out: Path | None = None, progress: bool = False,
-        record: Sequence[str] = (), command: str = "", form: Format = PNG) -> Run:
+        record: Sequence[str] = (), command: str = "", form: Format = PNG,
+        live: Callable[[str], None] | None = None) -> Run:
     """Fly `scenario` (a built-in name, a YAML file or a Scenario) and write signals, run.json, figures
     and a page.
 
@@ -52,22 +54,34 @@ def run(scenario: str | Scenario, controller: str = "neural", preset: Mapping[st
     plan = scenarios.load(scenario) if isinstance(scenario, str) else scenario
     presets = {"controller": preset} if isinstance(preset, str) else dict(preset or {})
     loop = closed_loop(plan, controller, plant, flavour, presets, values, uncertainty)
-    isolated = isolate or loop.foreign or time_limit is not None
+    end, show = plan.stop if stop is None else stop, None
+    if live:
+        from .live import shown_live
+
+        real_time = 1.0 if real_time is None else real_time
+        show = shown_live(loop, title_of(plan.name, loop.controller, loop.preset), end, real_time, live)
+    isolated = isolate or loop.foreign or time_limit is not None or show is not None
     with (aside(isolated, prepare, *WORKS) as drawing,  # first: it must not have the folder's lock
-          flown_into(out, "run", plan.name, stream) as (folder, interrupted)):
-        end = plan.stop if stop is None else stop
+          flown_into(out, "run", plan.name, stream) as (folder, interrupted), show or nullcontext()):
         said = said_of(plan, loop, algorithm, step, end)
         rows = asked(folder, said) if stream else None
         options: dict[str, Any] = {"decimate": decimate, "stream": rows} if rows else {}
         if record:
             options["record"] = list(record)
+        if show:
+            options |= {"desk": show.desk, "watch": show}
         bar, tell = progress_bar(plan.name, end)
         with bar:
             flight = explained(launch(loop.system, step, end, algorithm, tell if progress else None,
                                       isolated, time_limit, plain=plain, real_time=real_time, meanwhile=import_writers,
                                       **options))
         notes = [*loop.notes, *part_of_the_rows(flight, stream)]
+        if show:
+            show.ended(flight)
+            said["live"] = show.desk.made()
         done = kept(folder, flight, said, notes, decimate, rows, command, drawing, form)
+        if show:
+            show.written(done.out)
     flight.interrupted = interrupted[0] if interrupted else flight.interrupted
     return done
 
@@ -91,12 +105,16 @@ def kept(folder: Path, flight: Flight, said: dict[str, Any], notes: list[str], d
     said = dict(said)
     presets, first_figure = said.pop("presets"), said.pop("first_figure")
     summary = {**said, **shown_by(flight), **({"lateness": flight.lateness} if flight.lateness else {})}
-    preset = f" ({said['preset']})" if said["preset"] else ""
-    title = f"{said['scenario']}, {said['controller']}{preset}"
+    title = title_of(said["scenario"], said["controller"], said["preset"])
     drawn = (drawing or Aside(WORKS)).start(flight, title, first_figure, summary, command, notes, form)
     published = write(folder, "run", flight, {**summary, "presets": presets}, decimate,
                       [drawn], rows)
     return Run(flight, {**summary, "out": str(published.folder)}, published.folder, notes, published.trouble)
+
+
+def title_of(scenario: str, controller: str, preset: str | None) -> str:
+    """What figures and pages call a flight."""
+    return f"{scenario}, {controller}{f' ({preset})' if preset else ''}"
 
 
 def said_of(plan: Scenario, loop: ClosedLoop, algorithm: str, step: float, stop: float

@@ -4,24 +4,24 @@ from os.path import isfile
 from pathlib import Path
 from typing import Annotated
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, PrivateAttr
+from pydantic import AfterValidator, BeforeValidator, Field, PrivateAttr
 
 from .. import names
 from ..errors import UsageError, nearest
+from ..fields import Positive, Strict, exact
 from ..yaml_file import Source
 from .scenario_model import SCALES
 
 GROUPS = tuple(name.removeprefix("scale_") for name in SCALES)  # of coefficients, which a scenario scales together
 
 
-class Scenario(BaseModel):
+class Scenario(Strict):
     """A flight: how long, which presets, which values. Components are scenario, controller and plant."""
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
     name: Annotated[str, AfterValidator(names.checked)]
-    stop: float = Field(gt=0, allow_inf_nan=False, description="s")
+    stop: Positive = Field(description="s")
     presets: dict[str, str] = Field(default={}, description="component -> preset of its FMU")
-    set: dict[str, float | bool | str] = Field(default={}, description="component.variable -> value")
+    set: dict[str, Annotated[float | bool | str, BeforeValidator(exact)]] = Field(
+        default={}, description="component.variable -> value")
     first_figure: int | None = Field(default=None, description="number of the first figure, as in the paper")
     _source: Source | None = PrivateAttr(default=None)
 

@@ -6,14 +6,11 @@ the search began with. What is flown and what it costs: `tune_flights`.
 """
 import json
 import math
-import os
-import signal
-import threading
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from multiprocessing import active_children, get_context, parent_process
+from multiprocessing import active_children, get_context
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +21,7 @@ from ..master.fmu import FmuFile
 from ..master.folder import claimed
 from ..master.system import System
 from ..master.whole_file import whole
-from ..processes import PARENT_DEATH, prctl
+from ..processes import as_worker
 from . import scenarios
 from .closed_loop import choice, closed_loop
 from .registry import LAWS
@@ -83,19 +80,9 @@ BENCH: list[Bench] = []  # of this process
 
 
 def begin(systems: Mapping[str, System]) -> None:
-    """Prepare a worker process. Ctrl-C is for the parent, and no worker outlives it, not even in an FMU's call."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    prctl(PARENT_DEATH, signal.SIGKILL)
-    threading.Thread(target=end_with_parent, daemon=True).start()
+    """Prepare a worker process."""
+    as_worker()
     BENCH[:] = [Bench(systems)]
-
-
-def end_with_parent() -> None:
-    """Wait for the end of the parent process, then end this one."""
-    parent = parent_process()
-    assert parent is not None
-    parent.join()
-    os._exit(1)
 
 
 def flown_by(gains: Gains, flights: list[Flown]) -> list[Figures]:

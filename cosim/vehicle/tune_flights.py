@@ -1,6 +1,5 @@
 """What `ahv tune` flies, as data, and what a flight costs."""
 from collections.abc import Mapping
-from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
 from math import log1p, pi
 from typing import NamedTuple
@@ -11,7 +10,8 @@ from ..errors import RunError
 from ..master.algorithms import method
 from ..master.flight import Flight
 from ..master.fly import fly_loaded, tick_count
-from ..master.loaded import Master, open_files
+from ..master.fmu import FmuFile
+from ..master.kept import Kept
 from ..master.system import System, Value
 from .closed_loop import Values, merged
 from .metrics import ALTITUDE_ERROR, metrics
@@ -102,29 +102,18 @@ def figures(flight: Flight, flown: Flown) -> Figures:
 NOWHERE = Figures(2 * log1p(LOST_FT**2), False, float("inf"), float("inf"), float("inf"))  # a law that does not start
 
 
+def seen(files: Mapping[str, FmuFile]) -> list[str]:
+    """The signals that figures are computed from, as far as these FMUs have them."""
+    return [f"{c}.{name}" for c, names in SHOWN.items() for name in names if name in files[c].variables]
+
+
 class Bench:
     """The closed loops of a tuning, loaded once and reset for each flight; `systems` by their scenario."""
 
     def __init__(self, systems: Mapping[str, System]):
         self.systems = systems
-        self.loaded: tuple[Master, ExitStack] | None = None
+        self.kept = Kept(record=seen)
         self.method = method("gauss-seidel")
-
-    def master(self, system: System) -> Master:
-        """A master that is ready to initialise `system`. Raises RunError if an FMU does not load."""
-        if self.loaded:
-            try:
-                self.loaded[0].reset(system)
-                return self.loaded[0]
-            except RunError:
-                self.close()
-        with ExitStack() as stack:
-            files = stack.enter_context(open_files(system))
-            shown = [f"{c}.{name}" for c, names in SHOWN.items() for name in names if name in files[c].variables]
-            master = Master(system, files, shown)
-            stack.callback(master.close)
-            self.loaded = master, stack.pop_all()
-        return master
 
     def fly(self, flown: Flown, gains: Mapping[str, float]) -> Figures:
         """One flight with `gains`."""
@@ -132,13 +121,11 @@ class Bench:
         base = self.systems[flown.scenario]
         system = replace(base, components=tuple(c.with_values(values.get(c.name, {})) for c in base.components))
         try:
-            flight = fly_loaded(self.master(system), self.method, flown.step, tick_count(flown.step, flown.stop))
+            flight = fly_loaded(self.kept.ready(system), self.method, flown.step, tick_count(flown.step, flown.stop))
         except RunError:
             return NOWHERE
         return figures(flight, flown)
 
     def close(self) -> None:
         """Unload the FMUs."""
-        if self.loaded:
-            self.loaded[1].close()
-            self.loaded = None
+        self.kept.close()

@@ -1,6 +1,6 @@
-/* Mathematical functions with the same bits on every platform, whatever C library an FMU meets: those that the vehicle and
-   its laws call, to three units in the last place, exp, sin and cos to one and a half. What is exact everywhere (sqrt, floor, fabs) is the platform's, and so
-   are angles beyond 10^6 rad.
+/* Mathematical functions with the same bits on every platform, whatever C library an FMU meets: those that the vehicle and its
+   laws call. exp, sin and cos are right to one and a half units in the last place, tan and asin to two and a half. What is exact
+   everywhere (sqrt, floor, fabs) is the platform's, and so are sines of angles beyond 10^6 rad.
 
    The compiler must not contract products and sums: clang and gcc do not with -ffp-contract=off. Angles below half a radian
    take a shorter way: glibc's pair of sine and cosine takes 8 ns, this one 3, and a step of the plant asks for 43 pairs. */
@@ -27,15 +27,6 @@
 #define LN2_HIGH 0x1.62e42feep-1   /* of 32 bits, so that n times it is exact */
 #define LN2_LOW 0x1.a39ef35793c76p-33
 #define INTEGER 0x1.8p52           /* a number plus this one has no fraction: it is rounded */
-
-/* 2 to the power of n, from -1022 to 1023. */
-static inline double own_power_of_2(int32_t n)
-{
-    const uint64_t bits = (uint64_t)(n + 1023) << 52;
-    double x;
-    memcpy(&x, &bits, sizeof x);
-    return x;
-}
 
 static const double ROOTS[64] = { /* 2 to the power of i/64 */
     0x1.0000000000000p+0, 0x1.02c9a3e778061p+0, 0x1.059b0d3158574p+0, 0x1.0874518759bc8p+0,

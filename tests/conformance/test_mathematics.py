@@ -1,32 +1,101 @@
-"""What models may call: the same names on both backends, the same numbers in both flavours."""
-import mathematics_model as model
+"""Mathematical functions of the native flavour, against decimal arithmetic of 60 digits, and whose functions it calls."""
+import math
+import re
+import subprocess
+import zipfile
+from decimal import Decimal, localcontext
+from pathlib import Path
+
+import numpy as np
 import pytest
-from native_loop import Loaded
-from one_platform import one_platform
 
-from fmus import floats, symbols
-from fmus.builder import build
-from fmus.check_model import BACKEND
+from fmus.native_code import OWN
+from fmus.native_compiler import COMPILE, cc
+from fmus.native_flavour import WRAPPER
 
-
-def test_the_test_has_every_function_and_the_backends_have_the_same():
-    assert {*model.ONE, *model.TWO, *model.OTHERS} - {"power"} == set(BACKEND)
-    assert all(callable(getattr(symbols, name)) and callable(getattr(floats, name)) for name in BACKEND)
+HERE = Path(__file__).parent
+NAMES = ("exp", "sin", "cos", "tan", "asin")
+EXACT = {"sqrt", "floor", "ceil", "fabs"}
 
 
-def test_both_flavours_give_the_same_numbers(tmp_path):
-    rows = []
-    for flavour in ("native", "python"):
-        with one_platform():
-            path = build(model, flavour, tmp_path)
-        with Loaded(path) as member:
-            member.begin()
-            member.slave.exitInitializationMode()
-            shown = []
-            for k, (a, b) in enumerate([(0.3, -1.7), (0.9, 0.4), (0.5, -0.5), (1e-3, -1.0), (0.999, 5.0)]):
-                member.set(a=a, b=b)
-                member.slave.doStep(0.1 * k, 0.1)
-                shown.append(member.get(*member.names("output")))
-            rows.append(shown)
-    for native, python in zip(*rows):
-        assert native == pytest.approx(python, rel=4e-16 * 4, abs=1e-300)
+@pytest.fixture(scope="module")
+def compute(tmp_path_factory):
+    """Arguments, shape (n,) -> what the C code makes of them, name -> values of shape (n,)."""
+    program = tmp_path_factory.mktemp("mathematics") / "mathematics"
+    cc(*COMPILE, f"-I{WRAPPER}", "-o", program, HERE / "native" / "mathematics.c", "-lm")
+
+    def computed(arguments):
+        done = subprocess.run([program], input="\n".join(float(x).hex() for x in arguments), check=True, text=True,
+                              capture_output=True)
+        rows = [[float.fromhex(word) for word in line.split()] for line in done.stdout.splitlines()]
+        return dict(zip(NAMES, np.array(rows).T))
+    return computed
+
+
+def series(x: Decimal, first: int) -> Decimal:
+    """The series of sine (`first` is 1) or cosine (0)."""
+    term, total = x if first else Decimal(1), Decimal(0)
+    for n in range(first, 90, 2):
+        total += term
+        term *= -x * x / ((n + 1) * (n + 2))
+    return total
+
+
+def exact(name: str, x: float) -> Decimal:
+    """The function's value, to 50 digits or so; angles are at most 8."""
+    value = Decimal(x)
+    match name:
+        case "exp":
+            return value.exp()
+        case "sin" | "cos":
+            return series(value, name == "sin")
+        case "tan":
+            return series(value, 1) / series(value, 0)
+    y = Decimal(math.asin(x))
+    for _ in range(3):
+        y += (value - series(y, 1)) / series(y, 0)
+    return y
+
+
+RANGES = [("exp", -1, 1, 1.3), ("exp", -744, 709, 1.3), ("exp", -745, -708, 1.3), ("sin", -0.51, 0.51, 0.75),
+          ("cos", -0.51, 0.51, 0.75), ("sin", -8, 8, 0.85), ("cos", -8, 8, 0.85), ("tan", -1.57, 1.57, 2.5),
+          ("asin", -0.5, 0.5, 0.75), ("asin", -0.999, 0.999, 2.5)]
+
+
+@pytest.mark.parametrize(("name", "low", "high", "units"), RANGES)
+def test_functions_are_right_to_units_in_the_last_place(compute, name, low, high, units):
+    random = np.random.default_rng(7)
+    small = random.uniform(-1, 1, 40) * 10.0 ** -np.arange(0, 320, 8)
+    arguments = [*random.uniform(low, high, 300), *small[(small > low) & (small < high)], max(low, 0.0), 5e-324]
+    with localcontext() as context:
+        context.prec = 60
+        for x, value in zip(arguments, compute(arguments)[name]):
+            right = exact(name, float(x))
+            assert abs(Decimal(float(value)) - right) <= Decimal(math.ulp(float(right))) * Decimal(units), (x, value)
+
+
+def test_angles_far_from_zero(compute):
+    random = np.random.default_rng(8)
+    angles = [*random.uniform(-1, 1, 300) * 10.0 ** random.uniform(0, 20, 300), *(n * math.pi / 2 for n in range(1, 400))]
+    found = compute(angles)
+    assert found["sin"] == pytest.approx([math.sin(x) for x in angles], rel=3e-16)
+    assert found["cos"] == pytest.approx([math.cos(x) for x in angles], rel=3e-16)
+
+
+def test_what_has_no_number_and_what_is_too_large(compute):
+    found = compute([math.inf, -math.inf, math.nan, 709.79, -745.2, 709.78, 1.0, -1.0, 1.0000001, -0.0])
+    assert found["exp"][:2].tolist() == [math.inf, 0] and found["exp"][3:5].tolist() == [math.inf, 0]
+    assert found["exp"][5] == pytest.approx(math.exp(709.78), rel=3e-16)
+    assert all(np.isnan(found[name][2]) for name in NAMES)
+    assert all(np.isnan(found[name][:2]).all() for name in ("sin", "cos", "tan", "asin"))
+    assert found["asin"][6:8].tolist() == [math.pi / 2, -math.pi / 2] and np.isnan(found["asin"][8])
+    assert all(math.copysign(1, found[name][9]) == -1 for name in ("sin", "tan", "asin"))
+
+
+def test_no_other_function_of_the_c_library_is_called_by_our_models(native_fmus):
+    for fmu in native_fmus.values():
+        with zipfile.ZipFile(fmu) as archive:
+            code = archive.read("sources/model.c").decode()
+        called = set(re.findall(r"\b([a-z]\w*)\s*\(", code)) - {"if", "for", "while", "switch", "return", "sizeof"}
+        called -= {f"own_{name}" for name in OWN}
+        assert {name for name in called if not name.startswith(("casadi_", "model_"))} <= EXACT, fmu

@@ -32,7 +32,7 @@ from pathlib import Path
 from typing import NoReturn
 
 import yaml
-from page import write_table
+from page import head, write_table
 from points import Mutant, mutants
 from quick_build import recompiled
 from rooms import FMUS, ROOMS, tests
@@ -238,10 +238,11 @@ def main() -> None:
              if mutant.key not in equivalent
              and (mutant.key not in known or (options.retry and not known[mutant.key][-1]["killed"]))]
     RESULTS.parent.mkdir(exist_ok=True)
+    commit = head(ROOT)
     with (tempfile.TemporaryDirectory(prefix="mutants.") as folder, RESULTS.open("a") as results,
           multiprocessing.get_context("fork").Pool(options.workers, begin, (folder,)) as pool):
         for count, found in enumerate(pool.imap_unordered(attempt, tasks), 1):
-            results.write(json.dumps(found) + "\n")
+            results.write(json.dumps({**found, "commit": commit}) + "\n")
             results.flush()
             verdict = f"killed by {found['by']}" if found["killed"] else "SURVIVED"
             print(f"{count}/{len(tasks)} {found['seconds']} s", verdict, *found["key"], sep=" | ", flush=True)

@@ -30,6 +30,12 @@ def share(killed: int, tried: int) -> str:
     return f"{100 * killed / tried:.0f} %" if tried else "-"
 
 
+def head(root: Path) -> str:
+    """The commit that is checked out."""
+    words = ["git", "rev-parse", "--short", "HEAD"]
+    return subprocess.run(words, cwd=root, capture_output=True, text=True, check=True).stdout.strip()
+
+
 def cell(text: str) -> str:
     """A text as code in a cell of a table."""
     short = text if len(text) <= 120 else text[:117] + "..."
@@ -39,6 +45,7 @@ def cell(text: str) -> str:
 def write_table(root: Path, samples: dict[str, tuple[list[Mutant], int]], known: dict, equivalent: dict) -> None:
     """Write docs/mutants.md from the trials recorded (`known`) and the judged mutants (`equivalent`)."""
     rows, total, left, excused = [], Counter(), [], []
+    trees: Counter[str] = Counter()
     for room, (sample, points) in samples.items():
         judged = [mutant for mutant in sample if mutant.key in equivalent]
         tried = [mutant for mutant in sample if mutant.key in known and mutant.key not in equivalent]
@@ -47,12 +54,11 @@ def write_table(root: Path, samples: dict[str, tuple[list[Mutant], int]], known:
         found = {"points": points, "drawn": len(sample), "tried": len(tried) + len(judged), "judged": len(judged),
                  "first": first, "last": last, "open": len(tried) - last}
         total.update(found)
+        trees.update(known[mutant.key][-1].get("commit", "earlier ones, not noted") for mutant in tried)
         rows.append((room, found))
         left += [mutant for mutant in tried if not known[mutant.key][-1]["killed"]]
         excused += judged
-    words = ["git", "rev-parse", "--short", "HEAD"]
-    commit = subprocess.run(words, cwd=root, capture_output=True, text=True, check=True).stdout.strip()
-    lines = [HEAD.replace("{commit}", commit),
+    lines = [HEAD.replace("{commit}", head(root)),
              "| room | possible | drawn | tried | equivalent | killed | survived | before | share |",
              "|---|---|---|---|---|---|---|---|---|"]
     for room, n in [*rows, ("all", total)]:
@@ -60,6 +66,8 @@ def write_table(root: Path, samples: dict[str, tuple[list[Mutant], int]], known:
         cells = [room, *(n[key] for key in ("points", "drawn", "tried", "judged", "last", "open")),
                  share(n["first"], counted), share(n["last"], counted)]
         lines.append(f"| {' | '.join(map(str, cells))} |")
+    lines += ["", "Trials by the commit that they were made on, with its code and its tests: "
+              + ", ".join(f"{tree} {count}" for tree, count in trees.most_common()) + "."]
     lines += ["", "## Survivors", "", "| place | code | mutant |", "|---|---|---|"]
     lines += [f"| {m.file} {m.function} | {cell(m.before)} | {cell(m.after)} |" for m in left]
     lines += ["", "## Judged equivalent", "", "| place | code | mutant | reason |", "|---|---|---|---|"]

@@ -50,9 +50,9 @@ ROOMS: dict[str, list[tuple[str, list[str] | None]]] = {
         ("cosim/master/parameter_set.py", ["unit/test_quantities system/test_ssp_reading"]),
         ("cosim/master/loop.c", ["system/test_loop_programs", "system/test_master_loops", "system/test_tables"]),
         ("cosim/master/*compile*.py", ["system/test_compile_loop", "system/test_master_loops"]),
-        ("cosim/master/evaluate.py", ["unit/test_measures unit/test_campaign_criteria"]),
-        ("cosim/master/measures.py", ["unit/test_measures unit/test_campaign_criteria"]),
-        ("cosim/master/condition.py", ["unit/test_measures"]),
+        ("cosim/master/evaluate.py", None),
+        ("cosim/master/measures.py", None),
+        ("cosim/master/condition.py", None),
         ("cosim/master/[wdq]*.py", ["unit/test_master_order unit/test_dependencies unit/test_quantities",
                                     "system/test_master_wiring", "system/test_master_answers",
                                     "system/test_python_library"]),
@@ -64,6 +64,11 @@ ROOMS: dict[str, list[tuple[str, list[str] | None]]] = {
                                "system/test_python_signals system/test_python_info", "system/test_python_library",
                                "system/test_master_faults"]),
     ],
+    "expressions": [
+        ("cosim/master/condition.py", ["unit/test_measures"]),
+        ("cosim/master/evaluate.py", ["unit/test_measures unit/test_campaign_criteria"]),
+        ("cosim/master/measures.py", ["unit/test_measures unit/test_campaign_criteria"]),
+    ],
     "ssp": [
         ("cosim/ssp/*.py", ["unit/test_quantities system/test_ssp_reading", "system/test_ssp_bad_files",
                             "system/test_ssp_writing"]),
@@ -71,7 +76,18 @@ ROOMS: dict[str, list[tuple[str, list[str] | None]]] = {
     "campaign": [
         ("cosim/campaign/charts.py", ["unit/test_campaign_charts"]),
         ("cosim/campaign/curves.py", ["unit/test_campaign_pages", INSIDE]),
+        ("cosim/campaign/shown.py", ["unit/test_campaign_pages system/test_campaign_texts", INSIDE]),
         ("cosim/campaign/labels.py", ["unit/test_campaign_pages unit/test_campaign_charts"]),
+        ("cosim/campaign/distributions.py", ["unit/test_campaign_distributions",
+                                             "unit/test_campaign_sampling -k not covers", "system/test_campaign_bad"]),
+        ("cosim/campaign/samples.py", ["unit/test_campaign_samples", "system/test_campaign_bad"]),
+        ("cosim/campaign/grid.py", ["unit/test_campaign_grid"]),
+        ("cosim/campaign/sweep.py", ["unit/test_campaign_grid", "system/test_campaign_own"]),
+        ("cosim/campaign/rare*.py", ["unit/test_campaign_rare_estimate", "system/test_campaign_rare"]),
+        ("cosim/campaign/margin.py", ["unit/test_campaign_margin", "system/test_campaign_rare"]),
+        ("cosim/campaign/sequential.py", ["unit/test_campaign_sequential"]),
+        ("cosim/campaign/front.py", ["unit/test_campaign_front", "system/test_campaign_growth"]),
+        ("cosim/campaign/subject.py", ["system/test_campaign_file", "system/test_campaign_system"]),
         ("cosim/campaign/[es]*.py", ["unit/test_campaign_statistics unit/test_campaign_sampling -k not covers",
                                      "system/test_campaign_file unit/test_campaign_summary",
                                      "unit/test_campaign_nominal", INSIDE]),
@@ -79,6 +95,18 @@ ROOMS: dict[str, list[tuple[str, list[str] | None]]] = {
                                       "system/test_campaign_fatal", INSIDE]),
         ("cosim/campaign/*.py", ["unit/test_campaign_criteria unit/test_campaign_summary",
                                  "system/test_campaign_file unit/test_campaign_nominal", INSIDE]),
+    ],
+    "fitting": [
+        ("cosim/fitting/picture.py", None),
+        ("cosim/fitting/*.py", ["system/test_fit system/test_fit_bad"]),
+    ],
+    "ecosystems": [
+        ("cosim/ecosystems/function.py", ["system/test_function"]),
+        ("cosim/ecosystems/*.py", ["system/test_environment -k not processes", "system/test_function"]),
+    ],
+    "pages": [
+        ("cosim/playground/*.py", ["system/test_playground"]),
+        ("cosim/pages/*.py", ["system/test_pages", "unit/test_campaign_pages"]),
     ],
 }
 # The FMUs that a room's tests are tried with, for Linux only, which saves most of the building; None: all of ours. A

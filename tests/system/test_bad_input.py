@@ -1,12 +1,10 @@
 """Bad input: one sentence naming what and why, a non-zero exit, nothing flown."""
 import json
 import re
-import subprocess
 from math import inf, nan, radians
 
 import pytest
-from places import AHV
-from test_cases import ahv
+from command import ahv, carried_out
 
 from cosim.errors import RunError, UsageError
 from cosim.vehicle.linearize import linearize
@@ -49,7 +47,7 @@ def test_is_refused_before_the_run(words, sentence, tmp_path):
     (15000, 50000, "needs a fuel ratio of"),
 ])
 def test_a_trim_beyond_the_actuators_shows_its_numbers_and_fails(V, h, sentence):
-    done = subprocess.run([AHV, "trim", "--V", str(V), "--h", str(h), "--json"], capture_output=True, text=True)
+    done = carried_out("trim", "--V", str(V), "--h", str(h), "--json")
     assert done.returncode == 1 and sentence in done.stderr and len(done.stderr.splitlines()) == 1
     assert json.loads(done.stdout)["V_fps"] == V
 

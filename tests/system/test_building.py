@@ -7,8 +7,8 @@ import fmpy
 import lief
 import numpy as np
 import pytest
+from command import ahv
 from places import ROOT
-from test_cases import ahv
 from test_foreign_masters import assert_same_flight
 
 import cosim

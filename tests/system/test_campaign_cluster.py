@@ -16,6 +16,7 @@ from pathlib import Path
 import psutil
 import pytest
 from campaigns import tables, written
+from command import ahv as here
 from distributed import Client
 from distributed.security import Security
 from places import AHV, ROOT
@@ -186,13 +187,22 @@ def test_a_worker_with_other_code_that_joins_later_is_sent_away_by_name(hosts, o
     assert tables(out) == tables(tmp_path / "expected")
 
 
-def test_a_cluster_with_tls_takes_who_has_the_files(hosts, tmp_path):
+@pytest.fixture(scope="module")
+def expected(tmp_path_factory):
+    """A campaign of four runs: its file, and the tables that a cluster on this machine leaves."""
+    folder = tmp_path_factory.mktemp("expected")
+    file = written(folder, runs=4)
+    ahv("campaign", file, "--out", folder / "out")
+    return file, tables(folder / "out")
+
+
+def test_a_cluster_with_tls_takes_who_has_the_files(hosts, expected, tmp_path, monkeypatch):
     ca, cert, key = certificates(tmp_path)
     (tmp_path / "stranger").mkdir()
     stranger = certificates(tmp_path / "stranger")
     there = hosts("--tls-ca-file", ca, "--tls-cert", cert, "--tls-key", key, protocol="tls")
     there.worker()
-    file, out = written(tmp_path, runs=4), tmp_path / "out"
+    (file, flown), out = expected, tmp_path / "out"
 
     def words(address, ca, cert, key):
         return ("campaign", file, "--out", out, "--scheduler", address, "--tls-ca", ca, "--tls-cert", cert,
@@ -200,13 +210,13 @@ def test_a_cluster_with_tls_takes_who_has_the_files(hosts, tmp_path):
 
     said = ahv("campaign", file, "--out", out, "--scheduler", there.address, status=2)
     assert "needs certificates: give --tls-ca" in said and len(said.strip().splitlines()) == 1
+    monkeypatch.setattr(cluster, "ANSWER_S", 2.0)
     for refused in (("campaign", file, "--out", out, "--scheduler", there.address.replace("tls", "tcp")),
                     words(there.address, *stranger)):
-        said = ahv(*refused, status=1)
+        said = here(*refused, status=1)
         assert "There is no Dask scheduler at" in said and len(said.strip().splitlines()) == 1
     ahv(*words(there.address, ca, cert, key))
-    ahv("campaign", file, "--out", tmp_path / "expected")
-    assert tables(out) == tables(tmp_path / "expected")
+    assert tables(out) == flown
 
 
 @pytest.mark.parametrize("words,sentence", [
@@ -216,7 +226,7 @@ def test_a_cluster_with_tls_takes_who_has_the_files(hosts, tmp_path):
      "are for a --scheduler tls://..., not tcp://127.0.0.1:1"),
 ])
 def test_tls_options_that_make_no_sense_are_refused(tmp_path, words, sentence):
-    assert sentence in ahv("campaign", written(tmp_path), "--out", tmp_path / "out", *words, status=2)
+    assert sentence in here("campaign", written(tmp_path), "--out", tmp_path / "out", *words, status=2)
 
 
 @pytest.mark.parametrize("address, sentence", [
@@ -249,6 +259,7 @@ def test_tls_files_that_cannot_be_used_are_refused(tmp_path):
         cluster.Tls(ca, cert, certificates(tmp_path / "stranger")[2]).security()
 
 
+IMPATIENT = "from cosim.campaign import cluster; cluster.ANSWER_S = 2.0; from cosim.cli import main; main()"
 NAMESPACES = """
 set -e
 ip link set lo up
@@ -266,20 +277,20 @@ on_other $BIN/dask worker tls://10.213.0.1:8786 --host tls://10.213.0.2 --nthrea
     --local-directory $OUT/worker 2>/dev/null &
 address="--scheduler tls://10.213.0.1:8786"
 sleep 3
-on_other $BIN/ahv campaign $FILE --out $OUT/refused --scheduler tcp://10.213.0.1:8786 2>$OUT/said && exit 1
+on_other $BIN/python -c "$IMPATIENT" campaign $FILE --out $OUT/refused --scheduler tcp://10.213.0.1:8786 \
+    2>$OUT/said && exit 1
 $BIN/ahv campaign $FILE --out $OUT/flown $address --tls-ca $CERT/ca.pem --tls-cert $CERT/ca.pem --tls-key $CERT/key.pem
 """
 
 
-def test_two_hosts_with_tls(tmp_path):
+def test_two_hosts_with_tls(expected, tmp_path):
     isolated = ["unshare", "-Urn"]
     if not shutil.which("ip") or subprocess.run([*isolated, "ip", "link"], capture_output=True).returncode:
         pytest.skip("needs iproute2 and user namespaces")
     certificates(tmp_path)
-    file = written(tmp_path, runs=4)
     done = subprocess.run([*isolated, "bash", "-c", NAMESPACES], capture_output=True, text=True, timeout=300, env={
-        **os.environ, "BIN": str(AHV.parent), "CERT": str(tmp_path), "FILE": str(file), "OUT": str(tmp_path)})
+        **os.environ, "BIN": str(AHV.parent), "CERT": str(tmp_path), "FILE": str(expected[0]), "OUT": str(tmp_path),
+        "IMPATIENT": IMPATIENT})
     assert done.returncode == 0, done.stderr
     assert "There is no Dask scheduler at tcp://10.213.0.1:8786" in (tmp_path / "said").read_text()
-    ahv("campaign", file, "--out", tmp_path / "expected")
-    assert tables(tmp_path / "flown") == tables(tmp_path / "expected")
+    assert tables(tmp_path / "flown") == expected[1]

@@ -17,7 +17,7 @@ def test_laws_with_an_fmu_that_allows_one_instance_in_a_process_take_turns(tmp_p
     try:
         for law in ("one", "other", "one"):
             assert fly_loaded(loaded.ready(law, {}), method("jacobi"), 0.01, 10).finished
-            found.append(len(loaded.masters))
+            found.append(len(loaded.kept.masters))
     finally:
         loaded.close()
     assert found == kept

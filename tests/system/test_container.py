@@ -1,12 +1,11 @@
 """A system as one FMU: flown by FMPy it is the flight of our master with the algorithm jacobi."""
-import subprocess
 import zipfile
 
 import fmpy
 import numpy as np
 import pytest
 import ssp_files as s
-from places import AHV
+from command import carried_out
 
 import cosim
 from cosim.errors import UsageError
@@ -20,7 +19,7 @@ TOLERANCE = 1e-9   # of a signal's nominal value
 
 
 def container(*words):
-    return subprocess.run([str(w) for w in (AHV, "container", *words)], capture_output=True, text=True, timeout=300)
+    return carried_out("container", *words)
 
 
 def flown(path, stop, names, step=STEP, **more):
@@ -98,7 +97,7 @@ def test_a_named_input_takes_the_place_of_what_feeds_it(native_fmus, tmp_path):
 
 
 def test_an_ssp_becomes_one_fmu_that_flies_the_same(native_fmus, tmp_path):
-    done = subprocess.run([AHV, "ssp", "case1", "--out", tmp_path / "case1.ssp"], capture_output=True, text=True)
+    done = carried_out("ssp", "case1", "--out", tmp_path / "case1.ssp")
     assert done.returncode == 0, done.stderr
     done = container(tmp_path / "case1.ssp", "--set", "plant.mass=310", "--out", tmp_path / "Ssp.fmu")
     assert done.returncode == 0, done.stderr
@@ -124,7 +123,7 @@ def test_a_longer_step_takes_several_of_the_containers(native_fmus, tmp_path):
 def test_our_check_finds_what_the_runtime_lacks_and_nothing_else(native_fmus, tmp_path):
     path = tmp_path / "Loop.fmu"
     write_container(path, "case1", case1(), STEP, 100)
-    found = {(f.rule, f.variable) for f in cosim.check(path, cycles=1000).findings if f.severity != "note"}
+    found = {(f.rule, f.variable) for f in cosim.check(path).findings if f.severity != "note"}
     assert found <= {("dynamic.legal-call", "fmi2SetDebugLogging")}, found
 
 

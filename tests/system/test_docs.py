@@ -8,12 +8,12 @@ from pathlib import Path
 
 import pytest
 import typer
+from command import carried_out
 
 from cosim.cli.app import app
 from cosim.vehicle.registry import LAWS
 
 ROOT = Path(__file__).parents[2]
-AHV = Path(sys.executable).with_name("ahv")
 PAGES = sorted([*(ROOT / "docs").rglob("*.md"), *ROOT.glob("*.md")])
 COMMANDS = typer.main.get_command(app).commands
 SCENARIOS = dict(re.findall(r"<!-- example: (\S+) -->\n```yaml\n(.*?)```", (ROOT / "docs" / "scenarios.md").read_text(),
@@ -78,7 +78,7 @@ def test_every_law_has_its_page_and_block_diagram(law):
 def test_the_scenarios_of_the_page_fly_and_their_figures_have_plain_names(name, native_fmus, tmp_path):
     (tmp_path / name).write_text(SCENARIOS[name])
     plant = ["--plant", "instrumented"] if "delay" in SCENARIOS[name] else []
-    done = subprocess.run([AHV, "run", name, *plant, "--json"], cwd=tmp_path, capture_output=True, text=True)
+    done = carried_out("run", name, *plant, "--json", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     told = json.loads(done.stdout)
     assert told["finished"] and told["altitude_error_ft"]["max_abs"] < 10
@@ -87,8 +87,7 @@ def test_the_scenarios_of_the_page_fly_and_their_figures_have_plain_names(name, 
 
 def test_an_empty_scenario_is_level_flight_where_the_vehicle_starts(native_fmus, tmp_path):
     (tmp_path / "empty.yaml").write_text("name: empty\nstop: 5\n")
-    done = subprocess.run([AHV, "run", "empty.yaml", "--set", "plant.V_start=9000", "--json"], cwd=tmp_path,
-                          capture_output=True, text=True)
+    done = carried_out("run", "empty.yaml", "--set", "plant.V_start=9000", "--json", cwd=tmp_path)
     assert json.loads(done.stdout)["velocity_error_fps"]["max_abs"] < 1e-6, done.stderr
 
 

@@ -187,6 +187,21 @@ def test_values_are_drawn_by_the_seed_and_options_stand_over_them(fmu, made):
     assert environment.reset()[0][0] < 2.0
 
 
+def test_options_change_no_draw_of_a_later_episode(fmu, made):
+    environment = made(mass(fmu), ["mass.u"], ["mass.y"], values={
+        "mass.x1": (0.5, 1.5), "mass.a22": lambda random: random.normal(-0.3, 0.01)})
+
+    def three(*options):
+        return [environment.reset(seed=None if k else 5, options=one)[1]["values"] for k, one in enumerate(options)]
+
+    plain = three(None, None, None)
+    assert three(None, {"mass.x1": 2.0}, None) == [plain[0], {**plain[1], "mass.x1": 2.0}, plain[2]]
+    told = {"mass.x1": (2.0, 3.0), "mass.a21": lambda random: -random.uniform(8, 10)}
+    first, again = three(told, told, None), three(told, told, None)
+    assert first == again and first[0]["mass.x1"] != first[1]["mass.x1"] and first[2] == plain[2]
+    assert [one["mass.a22"] for one in first] == [one["mass.a22"] for one in plain]
+
+
 def test_an_input_begins_as_the_system_says(fmu, made):
     environment = made(mass(fmu, u=3.0), {"mass.u": (-5.0, 5.0)}, ["mass.y"])
     environment.reset()

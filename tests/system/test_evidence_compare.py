@@ -3,7 +3,7 @@ import json
 
 import numpy as np
 import pytest
-from test_cases import ahv
+from command import ahv
 
 from cosim.vehicle.compare import settling
 

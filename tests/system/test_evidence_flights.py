@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 from claims import ENVELOPE
 from evidence import Loaded, fly, summary, varying
-from studies import ablation, envelope, limits
+from studies import SENSORS, ablation, envelope, flown_beside, limits
 
 STRUCTURES = {
     "decoupled": {}, "printed sign": {"psi_1": -363.5, "psi_2": 328.8},
@@ -70,6 +70,15 @@ def test_noise_and_delay_limits_of_each_law():
     found = {law: limits(law, "calibrated", range(5, 60, 10)) for law in ("neural", "backstepping")}
     assert found["neural"]["delay_ms"] > found["backstepping"]["delay_ms"] >= 5
     assert found["neural"]["noise_factor"] <= found["backstepping"]["noise_factor"]
+
+
+def test_where_the_delay_makes_the_flight_chaotic_the_last_bit_decides():
+    """At 45 ms all starts give one flight; at 75 ms about half of them are lost."""
+    with Loaded("neural", "robust", "instrumented") as loaded:
+        near, far = (flown_beside(loaded, {f"{name}_delay": delay for name in SENSORS}, count)
+                     for delay, count in ((0.045, 3), (0.075, 17)))
+    assert np.ptp([flight.h for flight in near]) < 1e-6
+    assert 0 < sum(flight.survived for flight in far) < len(far)
 
 
 def test_a_loss_of_a_tenth_of_all_coefficients_at_once_is_too_much_for_the_calibrated_law():

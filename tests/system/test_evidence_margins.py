@@ -5,9 +5,9 @@ import json
 import numpy as np
 import pytest
 from claims import ALTITUDES, SPEEDS, growth
+from command import ahv
 from evidence import fly
 from exact_linear import GROUPS
-from test_cases import ahv
 
 from ahv_ctrl_fmu import backstepping_model, neural_model
 

@@ -4,7 +4,7 @@ from itertools import accumulate, repeat
 
 import numpy as np
 import pytest
-from test_cases import ahv
+from command import ahv
 from test_foreign_masters import STEP, theirs
 
 from cosim.master.connections import checked_connections

@@ -14,8 +14,8 @@ import numpy as np
 import peers
 import pyarrow.parquet
 import pytest
+from command import ahv
 from places import ROOT
-from test_cases import ahv
 
 HERE = Path(__file__).parent
 MASTERS = ("libcosim", "ecos", "fmucontainer")

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from command import ahv
 from exact_linear import linear_vehicle, nominal_trim, values_of
-from test_cases import ahv
 
 import cosim
 from ahv_plant_fmu import model as plant

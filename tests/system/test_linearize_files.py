@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 import scipy.io
 import scipy.optimize
+from command import ahv
 from exact_loop import exact
-from test_cases import ahv
 
 from cosim.analysis import linearize, report
 from cosim.errors import RunError

@@ -2,13 +2,12 @@
 import json
 import os
 import signal
-import subprocess
 import time
 
 import numpy as np
 import pytest
 import small
-from places import AHV
+from command import carried_out
 
 from cosim.errors import UsageError
 from cosim.master import isolated as isolated_module
@@ -211,8 +210,7 @@ def test_a_process_that_is_ended_outside_of_any_call_is_told():
 
 def simulated(folder, *flags, status=0, **values):
     write(folder / "pair.ssp", "pair", small.pair(small.build(folder), **values), 0.01, 1.0)
-    done = subprocess.run([AHV, "simulate", folder / "pair.ssp", "--json", "--out", folder / "out", *flags],
-                          capture_output=True, text=True)
+    done = carried_out("simulate", folder / "pair.ssp", "--json", "--out", folder / "out", *flags)
     assert done.returncode == status, done.stderr
     return json.loads(done.stdout), json.loads((folder / "out" / "run.json").read_text()), done.stderr
 

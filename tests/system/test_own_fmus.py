@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from altered import redescribed
-from test_cases import ahv
+from command import ahv, carried_out
 
 from cosim.errors import UsageError
 from cosim.vehicle import scenarios
@@ -93,8 +93,7 @@ def test_a_campaign_flies_a_strangers_controller_and_its_report_names_the_file(o
 
 def test_an_optional_input_that_is_missing_is_noted_and_the_loop_flies(tmp_path):
     path = lacking(tmp_path, ["V", "h"], ["fuel_ratio", "elevator"])
-    done = subprocess.run([Path(sys.executable).with_name("ahv"), "run", "hold", "--stop", "0.1", "--controller",
-                           f"it={path}", "--out", tmp_path / "out"], capture_output=True, text=True)
+    done = carried_out("run", "hold", "--stop", "0.1", "--controller", f"it={path}", "--out", tmp_path / "out")
     assert done.returncode == 0, done.stderr
     assert "controller (Strange.fmu) has no input V_command, h_command, gamma, theta, Q: not connected." in done.stderr
 

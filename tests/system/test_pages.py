@@ -208,7 +208,8 @@ def test_a_check_as_a_page(native_fmus, tmp_path):
     (lambda path: path / "none", "There is no folder"),
     (lambda path: path, "has no results of ahv; what can be seen are folders of ahv run, simulate and compare"),
     (lambda path: broken(path, b"PAR1"), "signals.parquet cannot be read"),
-    (lambda path: broken(path, None), "signals.parquet cannot be read"),
+    (lambda path: broken(path, None), "signals.parquet cannot be read: there is no such file"),
+    (lambda path: killed(path), "has rows of a flight that was killed: `ahv recover "),
 ])
 def test_folders_without_flights_are_refused(tmp_path, make, sentence):
     with pytest.raises(UsageError, match=sentence):
@@ -220,6 +221,13 @@ def broken(path: Path, signals: bytes | None) -> Path:
     (path / "run.json").write_text('{"kind": "run", "controller": "x"}')
     if signals is not None:
         (path / "signals.parquet").write_bytes(signals)
+    return path
+
+
+def killed(path: Path) -> Path:
+    (path / ".ahv").mkdir()
+    (path / ".ahv" / "kind.json").write_text('{"kind": "run"}')
+    (path / ".ahv" / "rows.arrows").touch()
     return path
 
 
@@ -240,6 +248,29 @@ def test_decimation_keeps_ends_and_extremes():
     assert kept(np.array([1.0]), 100).tolist() == [0] and kept(np.full(5, np.nan), 100).tolist() == [0, 1, 2, 3, 4]
     strange = packed(np.arange(3.0), np.array([np.nan, np.inf, 1e300]), 100)
     assert strange["base"] == 1e300 and json.dumps(strange, allow_nan=False)
+
+
+@pytest.mark.parametrize("largest", [1e300, 1.7e308, 1e39, 1e-42, 1e-300, 5e-324])
+def test_values_beyond_32_bits_keep_their_digits(largest):
+    values = np.array([-largest, 0.0, largest / 3, np.nan, largest])
+    curve = packed(np.arange(5.0), values, 100)
+    y, scale = np.frombuffer(base64.b64decode(curve["y"]), "<f4").astype(float), curve["scale"]
+    assert scale * (curve["base"] / scale + y) == pytest.approx(values, rel=1e-6, abs=1e-7 * largest, nan_ok=True)
+    assert "scale" not in packed(np.arange(2.0), np.array([1e15, 1e15 + 1]), 100)
+
+
+def test_what_a_page_leaves_out_is_said(monkeypatch):
+    def said(count: int, flights: int) -> str:
+        columns = [Signal(f"s{i}", "", "") for i in range(count)]
+        flight = Flight(np.arange(3.0), np.zeros((3, count)), columns, False, "x", 0.0, 0.0, {}, {})
+        text = page("x", [Flown(f"flight {i}", flight, {}) for i in range(flights)])
+        return re.sub(r"<[^>]*>", "", text[text.index("<header>"):text.index("</header>")])
+
+    monkeypatch.setattr("cosim.pages.write.library", lambda: "")
+    monkeypatch.setattr("cosim.pages.write.SIGNALS", 5)
+    assert "No signals were recorded." in said(0, 1) and "signals" not in said(5, 1)
+    assert "The page has 5 of the 6 signals." in said(6, 2)
+    assert "4 of 4 flights ended early" in said(1, 4) and "ended early" in said(1, 3) and "of 3" not in said(1, 3)
 
 
 def test_windows_begin_with_the_step_in_which_they_hold():

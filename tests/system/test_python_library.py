@@ -54,6 +54,10 @@ with contextlib.suppress(SystemExit), contextlib.redirect_stdout(io.StringIO()):
     assert not {*modules_after(code)} - {"rich"}  # which typer prints its help with
 
 
+def test_a_worker_of_a_campaign_needs_nothing_that_reads_or_draws_tables():
+    assert not {"matplotlib", "numba", "pandas", "pyarrow", "scipy"} & {*modules_after("import cosim.campaign.worker")}
+
+
 def test_a_flight_needs_no_package_of_others_rooms(fmu):
     code = f"import cosim; cosim.fly(cosim.System([cosim.Component('a', {str(fmu)!r})]), step=0.1, stop=1, plain=True)"
     assert modules_after(code) == ["numpy", "fmpy"]

@@ -90,7 +90,7 @@ def test_a_picture_has_a_panel_for_each_unit_and_for_differences(flight):
     figure = flight.plot("plant.h", "plant.theta", "controller.h_reference", "plant.h - controller.h_reference",
                          "plant.theta - plant.gamma", "controller.fuel_ratio")
     axes = figure.axes
-    assert [axis.get_ylabel() for axis in axes] == ["ft", "deg", "ft", "deg", ""]
+    assert [axis.get_ylabel() for axis in axes] == ["ft", "deg", "ft", "deg", "1"]
     assert axes[-1].get_xlabel() == "time (s)"
     assert [line.get_label() for line in axes[0].lines] == ["plant.h", "controller.h_reference"]
     drawn = [np.asarray(axis.lines[0].get_ydata()) for axis in axes]

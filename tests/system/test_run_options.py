@@ -2,7 +2,7 @@
 import json
 
 import pytest
-from test_cases import ahv
+from command import ahv
 
 from cosim.errors import UsageError
 from cosim.pictures import Format

@@ -1,11 +1,10 @@
 """What an SSP file says becomes what the master flies: connections, units, parameters, experiment."""
 import json
-import subprocess
 
 import pyarrow.parquet
 import pytest
 from altered import redescribed
-from places import AHV
+from command import ahv, carried_out
 from ssp_files import (
     component,
     connection,
@@ -20,7 +19,6 @@ from ssp_files import (
     system,
     write,
 )
-from test_cases import ahv
 
 from cosim import fly
 from cosim.errors import UsageError
@@ -401,7 +399,7 @@ def test_what_is_not_supported_is_refused_by_name(inner, sentence, read):
 
 def test_a_step_that_nobody_gives_is_that_of_run_and_told(tmp_path):
     path = write(tmp_path / "test.ssp", ssd(system("root", component("a"))))
-    done = subprocess.run([AHV, "simulate", path, "--out", tmp_path / "out", "--json"], capture_output=True, text=True)
+    done = carried_out("simulate", path, "--out", tmp_path / "out", "--json")
     assert json.loads(done.stdout)["step_s"] == 0.01
     assert "does not say how large the step is: 0.01 s is taken" in done.stderr
 
@@ -414,8 +412,7 @@ def test_a_later_ssp_version_is_refused_by_name(read):
 def test_a_parameter_that_fits_nothing_is_told_and_the_summary_is_of_what_flew(tmp_path):
     values = inline(parameter("k", 2.5), parameter("wings", 2))
     path = write(tmp_path / "test.ssp", ssd(system("root", component("a", bindings=values))))
-    done = subprocess.run([AHV, "simulate", path, "--step", "0.25", "--stop", "1", "--out", tmp_path / "out", "--json"],
-                          capture_output=True, text=True)
+    done = carried_out("simulate", path, "--step", "0.25", "--stop", "1", "--out", tmp_path / "out", "--json")
     assert "the parameter a: wings fits no variable and is ignored" in done.stderr
     summary = json.loads(done.stdout)
     assert (summary["ticks"], summary["step_s"], summary["stop_s"], summary["finished"]) == (4, 0.25, 1, True)

@@ -7,9 +7,9 @@ import pyarrow.parquet
 import pytest
 import small
 from altered import redescribed
+from command import ahv
 from fmpy.ssp.ssd import read_ssd
 from lxml import etree
-from test_cases import ahv
 
 from cosim.errors import UsageError
 from cosim.master.fly import fly

@@ -1,7 +1,6 @@
 """One FMU, a system file and an SSP through one door; `ahv simulate` of each, pictures, and states to go on from."""
 import json
 import re
-import subprocess
 import zipfile
 
 import numpy as np
@@ -10,7 +9,7 @@ import pytest
 import small
 import small3
 import ssp_files
-from places import AHV
+from command import carried_out
 
 from cosim.errors import UsageError
 from cosim.master.fly import fly
@@ -61,8 +60,7 @@ def test_a_system_file_is_the_system_that_it_lists(folder):
 
 
 def test_a_system_file_its_ssp_and_its_unpacked_ssp_fly_alike(folder, tmp_path):
-    done = subprocess.run([AHV, "ssp", folder / "pair.yaml", "--set", "left.x1=2", "--out", tmp_path / "pair.ssp"],
-                          capture_output=True, text=True)
+    done = carried_out("ssp", folder / "pair.yaml", "--set", "left.x1=2", "--out", tmp_path / "pair.ssp")
     assert done.returncode == 0, done.stderr
     with zipfile.ZipFile(tmp_path / "pair.ssp") as archive:
         archive.extractall(tmp_path / "loose")
@@ -75,8 +73,7 @@ def test_a_system_file_its_ssp_and_its_unpacked_ssp_fly_alike(folder, tmp_path):
 
 def test_a_system_file_becomes_one_fmu(tmp_path, folder):
     (folder / "chain.yaml").write_text(PAIR.replace("  - {from: right.y, to: left.u, factor: 0.8}\n", ""))
-    done = subprocess.run([AHV, "container", folder / "chain.yaml", "--out", tmp_path / "Pair.fmu"],
-                          capture_output=True, text=True)
+    done = carried_out("container", folder / "chain.yaml", "--out", tmp_path / "Pair.fmu")
     assert done.returncode == 0, done.stderr
     simulate(tmp_path / "Pair.fmu", 0.01, 1.0, None, tmp_path / "one")
     simulate(folder / "chain.yaml", None, None, "jacobi", tmp_path / "two")
@@ -133,16 +130,16 @@ def test_units_are_converted_unless_a_factor_is_given(tmp_path):
 # --- flights ----------------------------------------------------------------------------------------------------------
 
 def test_figures_of_a_format_are_drawn_without_plot(folder, tmp_path):
-    done = subprocess.run([AHV, "simulate", folder / "small_indirect.fmu", "--stop", "1", "--figures", "pdf",
-                           "--columns", "1", "--out", tmp_path / "out"], capture_output=True, text=True)
+    done = carried_out("simulate", folder / "small_indirect.fmu", "--stop", "1", "--figures", "pdf",
+                       "--columns", "1", "--out", tmp_path / "out")
     assert done.returncode == 0, done.stderr
     assert [path.name for path in (tmp_path / "out" / "figures").iterdir()] == ["signals.pdf"]
 
 
 def test_one_fmu_from_the_command_line(folder, tmp_path):
-    done = subprocess.run([AHV, "simulate", folder / "small_indirect.fmu", "--start", "1", "--stop", "2", "--step",
-                           "0.1", "--set", "x1=2", "--record", "y1", "--decimate", "5", "--plot", "--json",
-                           "--out", tmp_path / "out"], capture_output=True, text=True)
+    done = carried_out("simulate", folder / "small_indirect.fmu", "--start", "1", "--stop", "2", "--step", "0.1",
+                       "--set", "x1=2", "--record", "y1", "--decimate", "5", "--plot", "--json", "--out",
+                       tmp_path / "out")
     assert done.returncode == 0, done.stderr
     summary, found = json.loads(done.stdout), table(tmp_path / "out")
     assert (summary["start_s"], summary["stop_s"], summary["ticks"]) == (1.0, 2.0, 10)
@@ -152,8 +149,7 @@ def test_one_fmu_from_the_command_line(folder, tmp_path):
 
 
 def test_run_records_what_is_asked_for(tmp_path):
-    done = subprocess.run([AHV, "run", "hold", "--stop", "0.1", "--record", "plant.h*", "--out", tmp_path, "--json"],
-                          capture_output=True, text=True)
+    done = carried_out("run", "hold", "--stop", "0.1", "--record", "plant.h*", "--out", tmp_path, "--json")
     assert done.returncode == 0, done.stderr
     names = table(tmp_path).column_names
     assert "plant.h" in names and all(n == "time" or n.startswith("plant.h") for n in names)
@@ -178,7 +174,7 @@ def test_a_run_cut_in_two_equals_the_whole(tmp_path, algorithm, decimate):
 
 def test_our_loop_cut_in_two_on_the_command_line(tmp_path):
     def ahv(*words):
-        done = subprocess.run([AHV, *words], capture_output=True, text=True, cwd=tmp_path)
+        done = carried_out(*words, cwd=tmp_path)
         assert done.returncode == 0, done.stderr
 
     ahv("ssp", "hold", "--out", "hold.ssp")

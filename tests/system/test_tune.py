@@ -7,13 +7,13 @@ import subprocess
 import numpy as np
 import psutil
 import pytest
+from command import ahv
 from evidence import Loaded, summary
 from law_studies import flights, independent
 from network_laws import IN_THEIR_PLACE
 from network_laws import MODEL as NETWORK
 from places import AHV
 from protected_laws import MODELS
-from test_cases import ahv
 
 from cosim.vehicle.registry import LAWS
 from cosim.vehicle.tune import tune

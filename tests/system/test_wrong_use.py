@@ -79,6 +79,13 @@ def test_in_a_process_of_its_own(words, tmp_path):
     assert len(done.stderr.splitlines()) == 1 and done.stderr.startswith("ahv: ") and len(done.stderr) < 5000
 
 
+@pytest.mark.parametrize("word", ["/", "", ".", "nul\0l", "\ud800"])
+@pytest.mark.parametrize("command", [["playground"], ["view", "nothing"], ["check", "nothing.fmu"]])
+def test_a_page_that_no_file_can_be_is_refused(command, word):
+    status, _, said = wrong_tried.tried(wrong_use.Bad("", lambda: wrong_use.ended([*command, "--out", word]), ""))
+    assert (status, said) == (2, f"ahv: --out {word!r} is not allowed: it must be the path of a file.\n")
+
+
 @pytest.mark.parametrize("command", [["info"], ["check", "--no-dynamic"], ["run", "hold", "--stop", "0.02",
     "--controller"]])
 @pytest.mark.parametrize("swap", [

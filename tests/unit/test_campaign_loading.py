@@ -74,14 +74,19 @@ class Systems(LoadedSystems):
 
     def __init__(self, flown, **changes):
         super().__init__(job(**changes), None)
-        self.flown, self.dropped = flown, []
-        self.masters["law"] = SimpleNamespace(instances=[Instance(), Instance()], columns=[]), None
+        self.flown = flown
+        self.master = SimpleNamespace(instances=[Instance(), Instance()], columns=[])
+        self.kept.kept["law"] = self.loaded = SimpleNamespace(master=self.master, close=self.unload)
+
+    def unload(self):
+        self.loaded.master = None
 
     def ready(self, law, values):
-        return self.masters[law][0]
+        return self.master
 
-    def drop(self, law):
-        self.dropped.append(law)
+    @property
+    def dropped(self):
+        return [] if self.loaded.master else ["law"]
 
     def outcome(self, request, flight, status):
         return Outcome(request, status, flight.message)

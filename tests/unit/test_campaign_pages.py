@@ -1,13 +1,16 @@
-"""What pages call things, and the small pictures of listed runs."""
-import re
+"""What the report's page has of runs and their curves, and what pages call things."""
+import base64
 from types import SimpleNamespace
 
 import numpy as np
+import pyarrow.parquet as pq
 import pytest
+from campaign_pages import made_up
 
-from cosim.campaign.curves import HEIGHT, MOST_POINTS, WIDTH, small, thinned
+from cosim.campaign import curves, shown
 from cosim.campaign.labels import Label, labels_of, on_axes
-from cosim.campaign.statistics import MOST_GROUPS, explained
+from cosim.campaign.statistics import MOST_GROUPS, Results, explained
+from cosim.pages.decimate import GAP, rounded
 
 
 def fmu(**variables):
@@ -23,27 +26,86 @@ def test_what_fmus_say_of_variables_is_on_axes_where_it_is_short_and_no_other_s(
     assert labels["a.m"] == Label("a.m", "kg", "mass") and labels["c.x"] == Label("c.x")
     assert on_axes(names, labels) == {
         "a.m": "a.m (kg)", "b.m": "b.m (kg)", "a.k": "stiffness of the spring", "a.q": "a.q", "b.long": "b.long (s)",
-        "b.cost": r"what \$ it costs (\$)", "c.x": "c.x", "other": "other"}
+        "b.cost": "what $ it costs ($)", "c.x": "c.x", "other": "other"}
 
 
-def points(svg):
-    return np.array([pair.split(",") for pair in re.search("points='(.*?)'", svg)[1].split()], float)
+@pytest.fixture(scope="module")
+def store(tmp_path_factory):
+    return made_up(tmp_path_factory.mktemp("made"), "<x>")
 
 
-def test_a_small_picture_shows_the_whole_curve_with_its_ends_in_words():
-    found = small("h <ft>", np.array([2.0, 3, 4]), np.array([1.0, 3, 2]))
-    assert points(found).tolist() == [[0, HEIGHT], [WIDTH / 2, 0], [WIDTH, HEIGHT / 2]]
-    assert "h &lt;ft&gt;<br>1 to 3, 2 to 4 s" in found
-    assert points(small("h", np.array([1.0]), np.array([5.0]))).tolist() == [[0, HEIGHT]]
-    assert small("h", np.array([1.0]), np.array([np.nan])) == ""
+def chosen_of(store):
+    runs = pq.read_table(store.file("runs"))
+    return runs, shown.chosen(store.plan, runs, [Results.of(law, runs, "variant") for law in store.plan.laws])
 
 
-def test_many_rows_keep_their_extremes():
-    time = np.arange(10_000.0)
-    values = np.sin(time)
-    values[[17, 8123]] = 40, -40
-    t, v = thinned(time, values)
-    assert len(t) <= MOST_POINTS + 2 and {40, -40} <= set(v) and (t[0], t[-1]) == (0, 9999) and (np.diff(t) > 0).all()
+def test_a_page_has_all_runs_the_worst_first(store):
+    runs, there = chosen_of(store)
+    assert there.numbers.tolist() == list(range(40)) and there.sentence == ""
+    neural = [row for row in runs.to_pylist() if row["variant"] == "neural"]
+    departed = sorted((row["departed_at_s"], row["run"]) for row in neural if not row["success"])
+    assert there.worst["neural"][:len(departed)].tolist() == [run for _, run in departed]
+    assert sorted(there.worst["neural"]) == sorted(there.worst["resilient"]) == list(range(40))
+    assert there.worst["resilient"][0] == max(neural, key=lambda row: row["m"])["run"]
+
+
+def test_of_too_many_runs_failures_come_first_up_to_half_and_the_page_says_so(store, monkeypatch):
+    monkeypatch.setattr(shown, "MOST_RUNS", 24)
+    runs, there = chosen_of(store)
+    failed = {row["run"] for row in runs.to_pylist() if not row["success"]}
+    assert len(there.numbers) == 24 and (np.diff(there.numbers) > 0).all() and failed < set(there.numbers.tolist())
+    assert there.sentence.startswith("This page has 24 of 40 runs: failures first")
+    assert there.tables["neural"]["run"].to_pylist() == there.numbers.tolist()
+    assert sorted(there.worst["neural"]) == list(range(24))
+    monkeypatch.setattr(shown, "MOST_RUNS", 8)
+    few = chosen_of(store)[1].numbers
+    assert len(few) == 8 and len(failed & set(few.tolist())) >= 4
+    assert few.tolist() == chosen_of(store)[1].numbers.tolist()
+
+
+def test_the_page_has_draws_in_full_once_for_all_variants(store):
+    _, there = chosen_of(store)
+    data = shown.packed(store.plan, there, ["a.x", "a.word"])
+    first, second = (variant["draws"] for variant in data["variants"])
+    assert first == second and len(data["columns"]) == 2
+    assert np.frombuffer(base64.b64decode(data["columns"][first[0]["at"]]), "<f8").tolist() == \
+        there.tables["neural"]["a.x"].to_pylist()
+    assert first[1]["words"] == ["<x>", "b b"] and data["variants"][0]["command"][-1] == [
+        "results/run/<x>-neural-", "run"]
+
+
+def test_messages_that_differ_in_numbers_share_their_words_and_have_an_end():
+    messages = shown.Messages()
+    texts = ["at t = 3.5 s: -2 is below 0", None, "at t = 4 s: -17.25 is below 0", "other"]
+    places = [messages.place(text) for text in texts]
+    assert len(messages.templates) == 2 and messages.found[0] == "" and places[1] == 0
+    assert messages.found[places[2]] == "0|4|-17.25|0"
+    assert next(iter(messages.templates)) == ("at t = ", " s: ", " is below ", "")
+    messages.left = 0
+    assert messages.found[messages.place("x" * 1000)] == messages.found[messages.place("y" * 1000)] == "2"
+    assert list(messages.templates)[2] == (shown.FULL,)
+
+
+def test_whole_numbers_of_16_bits_are_the_values_as_a_screen_shows_them():
+    values = np.array([3.0, np.nan, -1e5, np.inf, 7e4])
+    [low], [step], steps = rounded(values, [0])
+    assert steps[[1, 3]].tolist() == [GAP, GAP] and step == pytest.approx(1.7e5 / (GAP - 1))
+    assert low + step * steps[[0, 2, 4]] == pytest.approx(values[[0, 2, 4]], abs=step / 2)
+    lows, sizes, steps = rounded(np.array([2.0, 2.0, np.nan, 1.0, 3.0]), [0, 2, 3])
+    assert lows.tolist() == [2, 0, 1] and steps.tolist() == [0, 0, GAP, 0, GAP - 1] and sizes[2] == 2 / (GAP - 1)
+
+
+def test_curves_of_all_runs_fit_their_room(store, monkeypatch):
+    _, there = chosen_of(store)
+    errors = pq.read_table(store.file("errors"))
+    whole = curves.packed(store, there, errors)
+    assert len(whole["signals"]) == 12 and len(np.frombuffer(base64.b64decode(whole["errors"]["times"]), "<f4")) == 101
+    monkeypatch.setattr(curves, "ERRORS", 2000)
+    monkeypatch.setattr(curves, "POINTS", 5 * curves.FEWEST)
+    small = curves.packed(store, there, errors)
+    counts = [np.frombuffer(base64.b64decode(one["counts"]), "<u2").sum() for one in small["errors"]["variants"]]
+    assert sum(counts) <= 2100 and len(small["signals"]) == 5
+    assert small["signals"][0]["place"] == min(range(6), key=lambda k: there.worst["neural"].tolist().index(k))
 
 
 def test_a_share_of_variance_is_sobol_s_index():

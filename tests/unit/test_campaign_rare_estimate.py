@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
-from cosim.campaign.rare import estimate
+from cosim.campaign.rare import Level, by_families, estimate
 from cosim.campaign.rare_rules import whole_tasks
 from cosim.campaign.spec import Rare
 from cosim.errors import UsageError
@@ -36,6 +36,14 @@ def test_the_same_seed_gives_the_same_points_and_another_seed_others(method):
     first, again, other = (estimate(Rare(method=method, runs_per_level=200), 3, seed, linear) for seed in (7, 7, 8))
     assert first.points.tobytes() == again.points.tobytes() and first.probability == again.probability
     assert first.points[:200].tobytes() != other.points[:200].tobytes()
+
+
+def test_the_variation_is_that_of_families():
+    """The four of ten runs up to 3 begin chains of two; a step beyond 3 stays where it was. Of the last level's
+    failures one is of the first family, two are of the second, one is of the fourth."""
+    margins = np.array([9, 1, 2, 8, 2.5, 7, 3, 9, 9, 9, 4, -1, 5, 0, -2, -3, 6, 2.0])
+    levels = (Level(0, 10, 3.0, 0.4, 0.0, ()), Level(10, 18, 0.0, 0.2, 0.5, ()))
+    assert by_families(margins, levels, 4) ** 2 == pytest.approx((1 + 4 + 1) / 4**2 - 1 / 10)
 
 
 def test_what_fails_often_needs_one_level_of_plain_runs():
@@ -136,4 +144,4 @@ def test_intervals_cover_the_exact_probability(method, case):
           f"variation {shares.std():.3f}, said {said:.3f}, plain runs saved "
           f"{np.median([f.plain_runs / f.runs for f in there]):.0f}")
     assert len(there) == 200 and covered >= COVERED[method][case]
-    assert abs(shares.mean() - 1) < 0.08 and shares.std() < 1.5 * said
+    assert abs(shares.mean() - 1) < 0.08 and shares.std() < (1.3 if method == "subset-simulation" else 1.5) * said

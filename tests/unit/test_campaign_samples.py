@@ -10,6 +10,7 @@ import pytest
 from cosim.campaign.distributions import Given, Uniform
 from cosim.campaign.samples import GROUP, Column, header, load, measured
 from cosim.campaign.sampling import Draw, Sampler, drawn
+from cosim.campaign.store import kind_of
 from cosim.errors import UsageError
 
 KINDS = {"p.x": "Real", "p.n": "Integer", "p.on": "Boolean", "p.word": "String"}
@@ -71,6 +72,14 @@ def test_a_grid_has_every_combination_once_the_last_variable_first():
     rows = [(row["p.x"], row["p.y"]) for row in drawn(sampler, draws, 0, 6)]
     assert rows == [(0.0, 1.0), (0.0, 2.0), (5.0, 1.0), (5.0, 2.0), (10.0, 1.0), (10.0, 2.0)]
     assert [(row["p.x"], row["p.y"]) for row in drawn(sampler, draws, 3, 5)] == rows[3:5]
+
+
+@pytest.mark.parametrize("values,kind", [
+    ([-3, 2**53], pa.float64()), ([-3, 2**53 + 1], pa.int64()), ([-2**63, 5], pa.int64()), ([1.0, 1e300], pa.float64()),
+    ([True, False], pa.bool_()), (["a"], pa.string())])
+def test_a_column_of_the_results_holds_whole_numbers_exactly(values, kind):
+    draw = Draw("p.n", ("p.n",), Given(file="draws.csv", values=values))
+    assert kind_of(draw) == kind and pa.array(values, kind, from_pandas=True).to_pylist() == values
 
 
 @pytest.mark.parametrize("text,reason", [

@@ -1,9 +1,12 @@
 """The points that `make mutants` finds, in Python and in C; and the list of judged mutants is that of this tree."""
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 import yaml
 from mutants.points import mutants
+from mutants.rooms import INSIDE, ROOMS
 from places import ROOT
 
 JUDGED = yaml.safe_load((ROOT / "tests" / "mutants" / "judged.yaml").read_text()) or []
@@ -82,3 +85,16 @@ def test_every_judged_mutant_is_one_of_this_tree_and_has_a_reason():
     for judged in JUDGED:
         assert tuple(judged[name] for name in ("file", "function", "from", "to")) in keys, judged
         assert len(judged["reason"]) > 20, judged
+
+
+def test_rooms_name_tests_of_this_tree():
+    stages = [stage for rows in ROOMS.values() for _, found in rows for stage in found or ()]
+    named = {name for stage in stages for name in stage.removeprefix("platforms ").partition(" -k ")[0].split()}
+    assert [name for name in sorted(named) if not (ROOT / "tests" / f"{name}.py").is_file()] == []
+
+
+@pytest.mark.slow
+def test_the_campaigns_that_trials_fly_pass_where_nothing_is_changed():
+    name, _, chosen = INSIDE.partition(" -k ")
+    words = [sys.executable, "-m", "pytest", "-q", ROOT / "tests" / f"{name}.py", "-k", chosen]
+    subprocess.run(words, cwd=ROOT, check=True)

@@ -24,7 +24,8 @@ def panels(laws=4):
     names = ["neural", "neural, robust", "resilient", "backstepping (a reconstruction)"][:laws]
     return [Panel("h (ft)", [curve("reference", 9e4, **REFERENCE), *(curve(n, 9e4 + i) for i, n in enumerate(names)),
                              curve("command", 8e4, **COMMAND)]),
-            Panel("$\\hat\\varphi_1$, velocity (1/s)", [curve(name, -1.25e-29) for name in names])]
+            Panel("$\\hat\\varphi_1$, velocity (1/s)", [curve(name, -1.25e-29) for name in names]),
+            Panel("V (ft/s)", [Curve(name, TIME, 7700.0001 + 1e-5 * np.sin(0.1 * TIME)) for name in names])]
 
 
 def lightness(colour):
@@ -46,7 +47,9 @@ def test_a_figure_has_the_width_of_its_columns_in_each_format(kind, columns, tmp
         assert box and b"/Type3" not in path.read_bytes()
         width = float(box[1].split()[2]) / 72
     else:
-        width = float(re.search(r'width="([\d.]+)pt"', path.read_text())[1]) / 72
+        text = path.read_text()
+        assert ">h (ft)</text>" in text
+        width = float(re.search(r'width="([\d.]+)pt"', text)[1]) / 72
     assert width == pytest.approx(WIDTHS[columns], abs=0.01)
 
 

@@ -196,7 +196,7 @@ function fly(engine, { components, plan, step, stop, inquire }, P) {
   const starts = [0, initial.length, initial.length + gets.length],
     place = name => Number(engine.words(cursor + 8 * P[name], 1)[0]);
   // Carries out a list on `many` ticks from the first; its rows are recorded. Why not, or nothing.
-  const flown = (which, first = 0, many = 1, recorded = 0) => {
+  const carry = (which, first = 0, many = 1, recorded = 0) => {
     const list = lists[which];
     engine.words(cursor + 8 * P.ROWS, 1)[0] = 0n;
     const [length, width, from, count, decimate] = [list.length, n, first, many, recorded].map(BigInt),
@@ -216,15 +216,15 @@ function fly(engine, { components, plan, step, stop, inquire }, P) {
     component.call("SetupExperiment", 0, 0, 0, 1, stop);
     component.call("EnterInitializationMode");
   }
-  must(flown(0));
+  must(carry(0));
   for (const component of everyone) component.call("ExitInitializationMode");
-  must(flown(1));
+  must(carry(1));
   const asked = Object.fromEntries(Object.entries(inquire).map(([name, names]) => [name, loaded[name].get(names)]));
   engine.exports.to_columns(signals, 1, n, found, ticks + 1);
   let count = 1,
     message = "";
   for (let first = 0; first < ticks && !message; first += BLOCK) {
-    message = flown(2, first, Math.min(BLOCK, ticks - first), 1);
+    message = carry(2, first, Math.min(BLOCK, ticks - first), 1);
     engine.exports.to_columns(rows, place("ROWS"), n, found + 8 * count, ticks + 1);
     count += place("ROWS");
   }
