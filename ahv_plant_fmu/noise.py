@@ -1,6 +1,6 @@
 """Noise of sensors: a sample is a function of seed, time step and channel, and has no state.
 
-Every number up to the last function is whole and below 2^53, so that doubles hold it exactly on any mathematics backend.
+Every number up to the last functions is whole and below 2^53, so that doubles hold it exactly on any backend.
 Two words of 25 bits, which count steps and channels, pass a Feistel network; its round function is the middle of a
 square, as in Widynski's counter-based generator (arXiv:2004.06278), and its keys come from the seed. Box and Muller's
 formula makes two independent normal numbers of the two words. The counter starts again after 2^25 steps.

@@ -6,7 +6,9 @@
 
 #include "all.c"
 
-#define EXPORT(type, name) FMI2_Export type fmi2FullName(name)
+#define TEXT(name) #name
+#define QUOTED(name) TEXT(name)
+#define EXPORT(type, name) type __attribute__((export_name(QUOTED(fmi2FullName(name))))) fmi2FullName(wasm_##name)
 
 static char last[SENTENCE];
 
