@@ -17,7 +17,7 @@
 #endif
 
 #ifdef __GNUC__
-#define APART __attribute__((noinline)) /* long, and rarely called: a model's straight code would have to go around it */
+#define APART __attribute__((noinline)) /* long: a model's straight code would have to go around it */
 #else
 #define APART
 #endif
@@ -52,7 +52,7 @@ static inline double own_exp_of(double x, int32_t shift)
 {
     const double shifted = x * 0x1.71547652b82fep+6 + INTEGER, n = shifted - INTEGER;
     const double r = (x - n * (LN2_HIGH / 64)) - n * (LN2_LOW / 64), z = r * r;
-    const double series = r + z * ((1.0 / 2 + r * (1.0 / 6)) + z * (1.0 / 24 + r * (1.0 / 120)));
+    const double series = (r + z * (1.0 / 2 + r * (1.0 / 6))) + z * z * (1.0 / 24 + r * (1.0 / 120));
     uint64_t bits, root;
     memcpy(&bits, &shifted, sizeof bits); /* its last bits are n */
     memcpy(&root, &ROOTS[bits % 64], sizeof root);
@@ -63,7 +63,7 @@ static inline double own_exp_of(double x, int32_t shift)
 }
 
 /* The same where the result is near to the largest or the least numbers, or is none of them. */
-static APART double own_far_exp(double x)
+static double own_far_exp(double x)
 {
     if (x > 0)
         return x < 710 ? own_exp_of(x, -100) * 0x1p100 : x * DBL_MAX;
