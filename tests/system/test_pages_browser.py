@@ -1,8 +1,10 @@
 """Pages of runs in headless Chromium: they open from the disk, say nothing, zoom, and show what is under the cursor."""
 import re
 from pathlib import Path
+from xml.sax.saxutils import quoteattr
 
 import pytest
+from altered import redescribed
 from browser import Watched, chromium, tabbed
 from test_pages import ATTACKS, made_up
 
@@ -203,3 +205,27 @@ def test_texts_of_strangers_run_nowhere(browser, tmp_path):
     watched = Watched(browser)
     watched.page.goto((tmp_path / "check.html").as_uri())
     assert watched.page.locator("img").count() == 0 and watched.said == []
+
+
+def test_names_of_files_folders_variants_and_variables_run_nothing(browser, native_fmus, tmp_path):
+    attacks = [attack for attack in ATTACKS if "\0" not in attack]
+    names = [attack.replace("/", "\\") for attack in attacks]
+    place = tmp_path / "a<" / "script><img src=x onerror=alert(1)>"  # a path with </script>
+    place.mkdir(parents=True)
+    description, told, unit = (quoteattr(attacks[i]) for i in (1, 2, 3))
+    fmu = redescribed(native_fmus["AhvScenario"], place / "<svg onload=alert(1)>.fmu",
+                      ('name="V_command"', f"name={told}"), ('name="ft/s"', f"name={unit}"),
+                      ('unit="ft/s"', f"unit={unit}"), ('generationTool="', f"generationTool={description[:-1]}"))
+    simulate(fmu, 0.1, 1.0, None, place / "simulated", command=attacks[1])
+    for i, name in enumerate(names):
+        run("hold", stop=0.1, out=place / name / str(i))
+    view([place / "simulated", *(place / name / str(i) for i, name in enumerate(names))], place / "view.html", names[1])
+    compare("hold", [], stop=0.1, out=place / "compared",
+            runs=[variant(f"{attack}:--preset robust") for attack in ATTACKS if not re.search(r"[:\0]", attack)])
+    pages = list(place.glob("*.html")) + [place / name / "report.html" for name in ("simulated", "compared")]
+    assert len(pages) == 3
+    for file in pages:
+        watched = opened(browser, file)
+        watched.page.evaluate("document.querySelectorAll('details').forEach((details) => { details.open = true; })")
+        assert watched.page.locator("img, iframe, b, svg:not(.key svg), a:not(.skip)").count() == 0
+        assert watched.said == [] and watched.elsewhere() == []
