@@ -147,7 +147,7 @@ async function draw() {
   if (state.document) state.document.clear();  // the range goes to the new one
   state.document = new Document();
   panels.forEach((panel) => state.document.add_root(panel.plot));
-  await Bokeh.embed.add_document_standalone(state.document, one("charts"), panels.map((panel) => panel.box));
+  await embed(state.document, panels.map((panel) => panel.box));
   document.documentElement.dataset.drawn = String(turn);
 }
 let drawn = 0;
