@@ -250,6 +250,29 @@ def test_decimation_keeps_ends_and_extremes():
     assert strange["base"] == 1e300 and json.dumps(strange, allow_nan=False)
 
 
+def test_a_line_between_kept_rows_is_near_and_what_is_not_finite_stays_so():
+    time = np.arange(30_000) * 0.01
+    values = np.exp(-time) * np.sin(7 * time) + 0.01 * np.sin(time / 20)  # of which a bin has a fifth of a second
+    rows = kept(values, 2000)
+    assert len(rows) <= 2000
+    assert np.abs(np.interp(time, time[rows], values[rows]) - values).max() < 2e-3 * np.ptp(values)
+    values[[20_000, 20_001]] = np.nan
+    assert {19_999, 20_000, 20_001, 20_002} <= set(kept(values, 2000).tolist())
+    falling = packed(time, 1e6 * np.exp(-time), 2000)
+    y = falling["base"] + np.frombuffer(base64.b64decode(falling["y"]), "<f4").astype(float)
+    assert y[-1] == pytest.approx(1e6 * np.exp(-time[-1]), abs=1e-6)
+
+
+def test_a_name_with_two_units_is_two_signals():
+    def flown(name: str, unit: str) -> Flown:
+        flight = Flight(np.arange(3.0), np.ones((3, 1)), [Signal("a.y", unit, "")], True, "", 0.0, 0.0, {}, {})
+        return Flown(name, flight, {})
+
+    data = data_in(page("x", [flown("first", "ft"), flown("second", "m"), flown("third", "ft")]))
+    assert {name: said["unit"] for name, said in data["signals"].items()} == {"a.y": "ft", "a.y in m": "m"}
+    assert [list(run["curves"]) for run in data["runs"]] == [["a.y"], ["a.y in m"], ["a.y"]]
+
+
 @pytest.mark.parametrize("largest", [1e300, 1.7e308, 1e39, 1e-42, 1e-300, 5e-324])
 def test_values_beyond_32_bits_keep_their_digits(largest):
     values = np.array([-largest, 0.0, largest / 3, np.nan, largest])
