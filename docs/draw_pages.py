@@ -1,4 +1,5 @@
-"""Draws the pages as browsers show them, wide and narrow, light and dark: docs/pictures/page_*.png and playground.png.
+"""Draws the pages as browsers show them, wide and narrow, light and dark: docs/pictures/page_*.png, playground.png and
+live.png.
 
     .venv/bin/python docs/draw_pages.py [PAGE]...     # else all of them
 """
@@ -8,6 +9,8 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from PIL import Image
@@ -35,9 +38,29 @@ PAGES = {
     "page_check": (["build spring_model.py pid_model.py valve_model.py --flavour native --fmi 2 --out fmus",
                     "check fmus/native/Spring.fmu fmus/native/Pid.fmu fmus/native/Valve.fmu --out check.html"],
                    "check.html"),
+    "page_campaign": (["campaign case1_campaign.yaml --out campaign"], "campaign/report.html"),
     "playground": (["playground --out playground.html"], "playground.html"),
+    "live": (["run case1 --real-time 1 --live --out live"], ""),
 }
+STEPS = ("Pitching moment −10 %", "Pitching moment −10 %", "Lift +10 %")  # on the live page
 AT = {"page_run": "12", "page_compare": "6", "page_view": "15", "page_simulate": "0.2"}  # s, where the cursor is
+
+
+@contextmanager
+def address(name: str, place: Path) -> Iterator[str]:
+    """Where the page is: a file, or what the last command serves while it runs."""
+    *before, last = PAGES[name][0]
+    for command in before if name == "live" else [*before, last]:
+        done = subprocess.run([AHV, *shlex.split(command)], cwd=place, capture_output=True, text=True)
+        if done.returncode > 1:  # a departure is 1
+            sys.exit(done.stderr)
+    if name != "live":
+        yield (place / PAGES[name][1]).as_uri()
+        return
+    with subprocess.Popen([AHV, *shlex.split(last)], cwd=place, stderr=subprocess.PIPE, text=True) as process:
+        assert process.stderr
+        yield next(line.strip() for line in process.stderr if line.startswith("http"))
+        process.terminate()
 
 
 def ready(name: str, page: Page) -> None:
@@ -47,16 +70,23 @@ def ready(name: str, page: Page) -> None:
         page.get_by_role("button", name="Fly the printed gains").click()
         page.locator('html[data-flights="2"]').wait_for(state="attached")
         page.mouse.move(0, 0)
+    elif name == "live":
+        page.locator('html[data-state="flying"]').wait_for(state="attached")
+        for step in STEPS if page.get_by_text("Steps made (0)").count() else ():
+            page.wait_for_timeout(2500)
+            page.get_by_role("button", name=step).click()
+            page.mouse.move(0, 0)
+        page.wait_for_timeout(4000)
     elif name in AT:
         page.locator('html[data-drawn="1"]').wait_for(state="attached")
         page.locator("#at").fill(AT[name])
     page.wait_for_timeout(500)
 
 
-def shot(browser: Browser, name: str, file: Path, width: int, scheme: str, top: str) -> Image.Image:
+def shot(browser: Browser, name: str, url: str, width: int, scheme: str, top: str) -> Image.Image:
     """The window, with the element `top` at its top where the page has one."""
     watched = Watched(browser, width, HEIGHT, color_scheme=scheme)
-    watched.page.goto(file.as_uri())
+    watched.page.goto(url)
     ready(name, watched.page)
     watched.page.evaluate("top => document.querySelector(top)?.scrollIntoView()", top)
     watched.page.wait_for_timeout(300)
@@ -85,13 +115,11 @@ def main(names: list[str]) -> None:
         place = Path(made)
         for file in (*HERE.glob("examples/*.*"), *HERE.glob("scenarios/*.yaml")):
             shutil.copy(file, place)
+        text = (HERE / "campaigns" / "case1.yaml").read_text()
+        (place / "case1_campaign.yaml").write_text(text.replace("runs: 2000", "runs: 200").replace("0.01", "0.2"))
         for name in names:
-            commands, page = PAGES[name]
-            for command in commands:  # a departure is exit status 1
-                done = subprocess.run([AHV, *shlex.split(command)], cwd=place, capture_output=True, text=True)
-                if done.returncode > 1:
-                    sys.exit(done.stderr)
-            rows = [[shot(browser, name, place / page, *view) for view in row] for row in VIEWS]
+            with address(name, place) as url:
+                rows = [[shot(browser, name, url, *view) for view in row] for row in VIEWS]
             composed(rows).save(HERE / "pictures" / f"{name}.png", optimize=True)
 
 

@@ -6,8 +6,8 @@
     nominal     a flight of each law before         engine       batches to a cluster and back
     cluster     Dask on this machine, or there      code         which code flies, here and on workers
     store       Parquet, written during the campaign; receipt: its checksums; resume: what is there already
-    statistics  probabilities, correlations         charts, report   report.html and its figures; labels,
-                                                    curves: what stands on them; small pictures of listed runs
+    statistics  probabilities, correlations         report       report.json; report.html: shown (its runs), curves,
+    charts      its pictures; labels: words there                overview (all runs), page (tables), scripts/
     progress    what is said meanwhile              rerun        the command that repeats one run
     rare        how likely a rare failure is; rare_rules, rare_flights, rare_report: its file, flights and page
     margin      how far a run is from failing

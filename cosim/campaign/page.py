@@ -165,7 +165,7 @@ def side_by_side(plan: Plan, summary: Mapping[str, Any]) -> str:
     pairs = "".join(f"<p>{html_text(both)} on the same draws: {html_text(counts_text(counts))}.</p>"
                     for both, counts in summary["paired"].items())
     return (note("Runs that finished or departed are judged. A run that could not start, took too long or crashed is a "
-                 f"failure of the machinery: it says nothing of the {noun}.") + html_table(("", *found), rows) + pairs)
+                 f"failure of the machinery: it says nothing of the {noun}.") + html_table(("figure", *found), rows) + pairs)
 
 
 def drivers(plan: Plan, summary: Mapping[str, Any]) -> str:
@@ -201,7 +201,7 @@ def commands(plan: Plan, variant: int, runs: Iterable[Mapping[str, Any]]) -> str
     for row in runs:
         ended_ = f"{row['status']}: {row['message']}" if row["message"] else row["status"]
         cells = [opener(variant, row), html_text(ended_), *([] if by is None else [number(row[by])]),
-                 f"<pre>{html_text(command(plan, dict(row)))}</pre>"]
+                 f'<pre tabindex="0">{html_text(command(plan, dict(row)))}</pre>']
         rows += f"<tr>{''.join(f'<td>{cell}</td>' for cell in cells)}</tr>"
     head = "".join(f"<th>{html_text(name)}</th>" for name in
                    ("run", "ended", *([with_unit(plan, by)] if by else []), "command"))

@@ -76,6 +76,7 @@ ROOMS: dict[str, list[tuple[str, list[str] | None]]] = {
     "campaign": [
         ("cosim/campaign/charts.py", ["unit/test_campaign_charts"]),
         ("cosim/campaign/curves.py", ["unit/test_campaign_pages", INSIDE]),
+        ("cosim/campaign/shown.py", ["unit/test_campaign_pages system/test_campaign_texts", INSIDE]),
         ("cosim/campaign/labels.py", ["unit/test_campaign_pages unit/test_campaign_charts"]),
         ("cosim/campaign/distributions.py", ["unit/test_campaign_distributions",
                                              "unit/test_campaign_sampling -k not covers", "system/test_campaign_bad"]),

@@ -122,7 +122,7 @@ def test_the_report_says_how_many_plain_runs_that_is_and_repeats_a_failure(whole
     assert json.loads((out / "report.json").read_text()) == {k: v for k, v in report.items() if k != "report"}
     text = re.sub("<script.*?</script>", "", (out / "report.html").read_text(), flags=re.DOTALL)
     assert f"{report['rare']['plain_runs']:,.0f}" in text and "has the margins of each level" in text
-    line = text.split("<pre>")[1].split("</pre>")[0].replace("&#x27;", "'")
+    line = text.split('<pre tabindex="0">')[1].split("</pre>")[0].replace("&#x27;", "'")
     said = subprocess.run([AHV, *shlex.split(line)[1:], "--record", "plant.h", "--out", tmp_path / "run"],
                           capture_output=True, text=True, cwd=ROOT)
     assert said.returncode == 0, said.stderr

@@ -57,7 +57,7 @@ def opened(browser, flight, width=1366, **options) -> Watched:
     """A page of the flight, when its first rows are shown."""
     watched = Watched(browser, width, 900, **options)
     watched.page.goto(flight.address)
-    watched.page.locator('html[data-state="flying"]').wait_for(state="attached", timeout=15_000)
+    watched.page.locator('html[data-state="flying"]').wait_for(state="attached", timeout=20_000)
     return watched
 
 
@@ -140,7 +140,7 @@ def test_a_closed_page_ends_nothing_and_two_flights_go_side_by_side(browser, nat
     folders = [tmp_path / name for name in ("one", "two")]
     for folder in folders:
         folder.mkdir()
-    flights = [Flight(folder, "case1", "--stop", "6", "--controller", law, "--stream")
+    flights = [Flight(folder, "case1", "--stop", "20", "--controller", law, "--stream")
                for folder, law in zip(folders, ("backstepping", "resilient"))]
     assert flights[0].host != flights[1].host
     opened(browser, flights[0]).context.close()
@@ -155,7 +155,7 @@ def test_a_closed_page_ends_nothing_and_two_flights_go_side_by_side(browser, nat
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 @pytest.mark.parametrize("width", [390, 1366])
 def test_it_fits_its_width_and_the_keyboard_reaches_it(browser, native_fmus, tmp_path, width, scheme):
-    flight = Flight(tmp_path, "case1", "--preset", "printed", "--real-time", "4")
+    flight = Flight(tmp_path, "case1", "--preset", "printed", "--real-time", "1")
     watched = opened(browser, flight, width, color_scheme=scheme, reduced_motion="reduce")
     page, reached = watched.page, []
     for _ in range(20):

@@ -67,10 +67,13 @@ function tell(box, event, lines) {
   hover.style.top = `${top + event.sy + (top + event.sy > innerHeight * 0.6 ? -hover.offsetHeight - 10 : 14)}px`;
 }
 
-function described(v, place, m) {
+const MOST_TOLD = 8;  // draws; the run that is open shows all
+function described(v, place, m, first) {
+  const told = [first, ...VARIANTS[v].strongest.filter((d) => d !== first)].slice(0, MOST_TOLD);
   return [`run ${FLOWN[place]}, ${VARIANTS[v].name}: ${ended(v, place)}`,
           ...(PAGE.metrics[m] ? [`${named(PAGE.metrics[m])}: ${digits(metric(v, m, place), 5)}`] : []),
-          ...PAGE.draws.slice(0, 12).map(({label}, d) => `${label}: ${value_drawn(v, d, place)}`)];
+          ...told.map((d) => `${PAGE.draws[d].label}: ${value_drawn(v, d, place)}`),
+          PAGE.draws.length > told.length ? `and ${PAGE.draws.length - told.length} more; click to open` : "click to open"];
 }
 
 const documents = new Map();

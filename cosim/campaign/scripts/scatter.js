@@ -39,8 +39,8 @@ async function scatter() {
       options: {lod_threshold: 500, lod_factor: 8, lod_interval: 200, lod_timeout: 250}});
     glyph(plot, "Scatter", sources[0], {x: `@x${d}`, y: "@y", marker: {value: "circle"}, size: 4, line_color: null,
                                         fill_color: colours.colours[0], fill_alpha: 0.6});
-    glyph(plot, "Scatter", sources[1], {x: `@x${d}`, y: "@y", marker: {value: "cross"}, size: 6, line_width: 1.2,
-                                        line_color: colours.colours[1], line_alpha: 0.75});
+    glyph(plot, "Scatter", sources[1], {x: `@x${d}`, y: "@y", marker: {value: "cross"}, line_color: colours.colours[1],
+                                        ...(parts[1].length < 100 ? {size: 10, line_width: 2} : {size: 6, line_width: 1.2, line_alpha: 0.75})});
     const rings = ["accent", "ink"].map((colour, i) => {
       const source = new ColumnDataSource({data: {x: [], y: []}});
       glyph(plot, "Scatter", source, {x: "@x", y: "@y", marker: {value: "circle"}, size: i ? 12 : 16, fill_color: null,
@@ -88,7 +88,7 @@ function nearest({plot, x, d}, event, reach = 1) {  // the run next to the curso
 
 function point(panel, event) {
   const place = event && nearest(panel, event);
-  tell(panel.box, event, place === null ? null : [...described(look_at.v, place, look_at.m), "click to open"]);
+  tell(panel.box, event, place === null ? null : described(look_at.v, place, look_at.m, panel.d));
   if (place !== look_at.pointed) ring(1, place);
   look_at.pointed = place;
 }
