@@ -6,6 +6,7 @@ import numpy as np
 
 SMALL, LARGE = 1e-30, 1e30  # what 32-bit floats hold with all their digits
 CLOSE = 1e-3  # of the range: a line between kept rows may be so far off, where there is room for more rows
+ROUNDS = 6
 
 
 def kept(values: np.ndarray, points: int) -> np.ndarray:
@@ -15,7 +16,7 @@ def kept(values: np.ndarray, points: int) -> np.ndarray:
     count = len(values)
     rows = np.arange(count)
     if count > points:
-        size = -(-count // max(3 * points // 8, 1))
+        size = -(-count // max(points // 4, 1))
         finite = np.isfinite(values)
         parts = np.full(-(-count // size) * size, np.nan)
         parts[:count][finite] = values[finite]
@@ -25,21 +26,27 @@ def kept(values: np.ndarray, points: int) -> np.ndarray:
         begin = np.arange(0, count, size)
         gaps = np.flatnonzero(finite[1:] != finite[:-1])[:points // 8]
         rows = np.unique(np.concatenate(([0, count - 1], begin + low, begin + high, gaps, gaps + 1)))
-        rows = np.unique(np.concatenate((rows, far_off(values, rows)[:points // 4])))
+        rows = nearer(values, rows, points // 2)
     chosen = values[rows]
     level = (chosen[1:-1] == chosen[:-2]) & (chosen[1:-1] == chosen[2:])
     return rows[np.concatenate(([True], ~level, [True]))[:len(rows)]] if len(rows) > 2 else rows
 
 
-def far_off(values: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    """The rows that lines between `rows` miss by more than CLOSE, the worst first."""
+def nearer(values: np.ndarray, rows: np.ndarray, most: int) -> np.ndarray:
+    """`rows` with at most `most` others, where a line between two of them is more than CLOSE off: the worst of each
+    such line, then of what is left."""
     some = values[rows][np.isfinite(values[rows])]
-    if not len(some):
-        return rows[:0]
-    with np.errstate(invalid="ignore", over="ignore"):
-        off = np.abs(np.interp(np.arange(len(values)), rows, values[rows]) - values)
-        far = np.flatnonzero(off > CLOSE * (some.max() - some.min()))
-    return far[np.argsort(-off[far], kind="stable")]
+    every = np.arange(len(values))
+    for _ in range(ROUNDS if len(some) else 0):
+        with np.errstate(invalid="ignore", over="ignore"):
+            off = np.abs(np.interp(every, rows, values[rows]) - values)
+            far = np.flatnonzero(off > CLOSE * (some.max() - some.min()))
+        far = far[np.argsort(-off[far], kind="stable")]
+        found = far[np.sort(np.unique(np.searchsorted(rows, far), return_index=True)[1])][:most]
+        if not len(found):
+            break
+        rows, most = np.union1d(rows, found), most - len(found)
+    return rows
 
 
 def packed(time: np.ndarray, values: np.ndarray, points: int) -> dict[str, object]:

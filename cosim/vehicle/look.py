@@ -30,6 +30,7 @@ FLAGS = (("controller.fuel_ratio_saturated", "saturation of the fuel ratio"),
          ("controller.elevator_saturated", "saturation of the elevator"),
          ("controller.protecting", "protection"))
 COMMANDS = (("scenario.V_command", "velocity", "ft/s"), ("scenario.h_command", "altitude", "ft"))
+FEW = 10    # so many steps may be in a flight of a few rows
 STEP = 1.0  # ft/s, ft: a smaller change from row to row is no step
 
 
@@ -67,7 +68,7 @@ def steps(flight: Flight, name: str, what: str, unit: str) -> list[Mark]:
         values = np.concatenate(([base], values))  # the first step may be at the start
     time = np.concatenate((flight.time[:len(values) - len(flight.time)], flight.time))
     rows = np.flatnonzero(np.abs(np.diff(values)) > STEP) + 1
-    if len(rows) > len(values) // 20:  # it moves all the time
+    if len(rows) > max(FEW, len(values) // 20):  # it moves all the time
         return []
     return [Mark("step of a command", f"{what} command from {values[row - 1]:.7g} to {values[row]:.7g} {unit}",
                  float(time[row])) for row in rows]

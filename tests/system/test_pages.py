@@ -17,6 +17,7 @@ from cosim.master.wiring import Signal
 from cosim.pages.decimate import kept, packed
 from cosim.pages.flown import Curve, Flown, Mark, Panel, windows
 from cosim.pages.folder import named, results
+from cosim.pages.tables import different
 from cosim.pages.write import page, plain
 from cosim.systems.simulate import simulate
 from cosim.vehicle.compare import compare
@@ -263,6 +264,15 @@ def test_a_line_between_kept_rows_is_near_and_what_is_not_finite_stays_so():
     assert y[-1] == pytest.approx(1e6 * np.exp(-time[-1]), abs=1e-6)
 
 
+def test_steps_of_commands_are_marked_in_few_rows_and_steps_by_hand_differ():
+    command = np.where(np.arange(11) < 5, 7700.0, 7900.0)
+    flight = Flight(np.arange(11.0), command[:, None], [Signal("scenario.V_command", "ft/s", "")], True, "", 0.0, 0.0,
+                    {}, {})
+    assert [mark.begin for mark in marks(flight)] == [5.0]
+    made = [{"time": 1.0, "input": "plant.scale_drag", "value": 0.1}]
+    assert "steps made by hand" in different([Flown("a", flight, {}), Flown("b", flight, {"live": made})])
+
+
 def test_a_name_with_two_units_is_two_signals():
     def flown(name: str, unit: str) -> Flown:
         flight = Flight(np.arange(3.0), np.ones((3, 1)), [Signal("a.y", unit, "")], True, "", 0.0, 0.0, {}, {})
@@ -302,6 +312,10 @@ def test_windows_begin_with_the_step_in_which_they_hold():
     holds[[11, 12, 13, 14, 15, 500]] = 1
     assert [(w.begin, w.end) for w in windows("k", "t", time, holds)] == [(1.0, 1.5), (49.9, 50.0)]
     assert windows("k", "t", time, np.zeros(1001)) == []
+    chatters = np.zeros(1001)
+    chatters[[100, 101, 103]] = 1  # a pause that nobody would see
+    assert [(w.text, w.begin, w.end) for w in windows("k", "t", time, chatters)] == [
+        ("t, with pauses", time[99], time[103])]
 
 
 def fill(place: Path, word: str) -> None:
