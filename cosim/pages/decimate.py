@@ -18,9 +18,8 @@ def kept(values: np.ndarray, points: int) -> np.ndarray:
     if count > points:
         size = -(-count // max(points // 4, 1))
         finite = np.isfinite(values)
-        parts = np.full(-(-count // size) * size, np.nan)
-        parts[:count][finite] = values[finite]
-        parts = parts.reshape(-1, size)
+        parts = np.full((-(-count // size), size), np.nan)
+        parts.ravel()[:count][finite] = values[finite]
         low = np.where(np.isnan(parts), np.inf, parts).argmin(axis=1)
         high = np.where(np.isnan(parts), -np.inf, parts).argmax(axis=1)
         begin = np.arange(0, count, size)

@@ -1,9 +1,10 @@
 """What a page shows of our flights: which curves, which errors, and what happened when."""
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
+from ..errors import UsageError
 from ..master.flight import Flight
 from ..pages.flown import Curve, Flown, Mark, Panel, windows
 from .scenario_model import SCALES
@@ -53,10 +54,13 @@ def marks(flight: Flight) -> list[Mark]:
     return found
 
 
-def by_hand(made: Sequence[Mapping[str, Any]]) -> list[Mark]:
-    """The steps of a live flight, as run.json lists them."""
-    return [Mark("step made by hand", f"{step['input']} {step['value']:+.4g}" if step["value"] else
-                 f"{step['input']} back", step["time"]) for step in made]
+def by_hand(made: Any) -> list[Mark]:
+    """The steps of a live flight, as run.json lists them. Raises UsageError for anything else."""
+    try:
+        return [Mark("step made by hand", f"{step['input']} {step['value']:+.4g}" if step["value"] else
+                     f"{step['input']} back", float(step["time"])) for step in made]
+    except (TypeError, KeyError, ValueError):
+        raise UsageError("live in a run.json is no list of steps, each with time, input and value.") from None
 
 
 def steps(flight: Flight, name: str, what: str, unit: str) -> list[Mark]:

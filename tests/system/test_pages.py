@@ -21,7 +21,7 @@ from cosim.pages.tables import different
 from cosim.pages.write import page, plain
 from cosim.systems.simulate import simulate
 from cosim.vehicle.compare import compare
-from cosim.vehicle.look import marks
+from cosim.vehicle.look import looked_at, marks
 from cosim.vehicle.run import run
 from cosim.vehicle.variants import variant
 from cosim.vehicle.view import view
@@ -269,6 +269,9 @@ def test_steps_of_commands_are_marked_in_few_rows_and_steps_by_hand_differ():
     flight = Flight(np.arange(11.0), command[:, None], [Signal("scenario.V_command", "ft/s", "")], True, "", 0.0, 0.0,
                     {}, {})
     assert [mark.begin for mark in marks(flight)] == [5.0]
+    for wrong in (5, [3], {"a": 1}, [{"time": "x", "input": "plant.scale_drag", "value": 0.1}], [{"time": 1.0}]):
+        with pytest.raises(UsageError, match="no list of steps"):
+            looked_at("a", flight, {"live": wrong})
     made = [{"time": 1.0, "input": "plant.scale_drag", "value": 0.1}]
     assert "steps made by hand" in different([Flown("a", flight, {}), Flown("b", flight, {"live": made})])
 
