@@ -8,12 +8,15 @@ import tempfile
 from pathlib import Path
 
 from PIL import Image
-from playwright.sync_api import Browser, sync_playwright
+from playwright.sync_api import Browser
 
 from cosim.campaign.campaign import campaign
 from cosim.vehicle.campaigns import Laws
 
 DOCS = Path(__file__).parent
+sys.path.insert(0, str(DOCS.parent / "tests"))
+from browser import chromium  # noqa: E402
+
 VIEWS = ((1366, 1000, "light"), (390, 1000, "dark"))  # px, px, scheme
 GAP = 24  # px
 
@@ -39,10 +42,8 @@ def shot(browser: Browser, page: Path, width: int, height: int, scheme: str) -> 
 
 def main(results: Path) -> None:
     """Draw the report of `results`."""
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path="/usr/bin/chromium", args=["--no-sandbox"])
+    with chromium() as browser:
         shots = [shot(browser, results / "report.html", *view) for view in VIEWS]
-        browser.close()
     width = sum(one.width for one in shots) + GAP * (len(shots) - 1)
     picture, at = Image.new("RGB", (width, shots[0].height), "white"), 0
     for one in shots:

@@ -35,3 +35,22 @@ class Watched:
     def elsewhere(self) -> list[str]:
         """What it asked for that is neither the file nor made by itself."""
         return [url for url in self.asked if not url.startswith(("file:", "blob:", "data:"))]
+
+
+FOCUSABLE = "a[href], button, input, select, textarea, summary, [tabindex='0']"
+STOPS = f"""() => {{
+  const reached = document.activeElement, style = getComputedStyle(reached);
+  const all = [...document.querySelectorAll("{FOCUSABLE}")].filter((e) => !e.disabled && e.checkVisibility());
+  return [all.indexOf(reached), all.length, style.outlineStyle !== "none" && parseFloat(style.outlineWidth) >= 2];
+}}"""
+
+
+def tabbed(page: Page) -> list[bool]:
+    """Press Tab through a page: for each control, whether it is reached in its order and shows that it is."""
+    page.locator("body").evaluate("(body) => { body.tabIndex = -1; body.focus(); }")
+    count, found = page.evaluate(STOPS)[1], []
+    for i in range(count):
+        page.keyboard.press("Tab")
+        at, _, shown = page.evaluate(STOPS)
+        found.append(at == i and shown)
+    return found

@@ -165,7 +165,8 @@ def side_by_side(plan: Plan, summary: Mapping[str, Any]) -> str:
     pairs = "".join(f"<p>{html_text(both)} on the same draws: {html_text(counts_text(counts))}.</p>"
                     for both, counts in summary["paired"].items())
     return (note("Runs that finished or departed are judged. A run that could not start, took too long or crashed is a "
-                 f"failure of the machinery: it says nothing of the {noun}.") + html_table(("figure", *found), rows) + pairs)
+                 f"failure of the machinery: it says nothing of the {noun}.")
+            + html_table(("figure", *found), rows) + pairs)
 
 
 def drivers(plan: Plan, summary: Mapping[str, Any]) -> str:

@@ -100,11 +100,13 @@ def drawn(plan: Plan, summary: Mapping[str, Any], data: Mapping[str, Any]) -> li
                                           "open run.") + place("histograms")))
     if data["envelopes"]:
         title, words = subject.drawn
+        bent = any(panel["bend"] for panel in data["envelopes"]["panels"])
         most = min(max(variant["runs"] for variant in data["envelopes"]["variants"]), 2000)
         parts.append((title, note(
             f"{words}, of the first {most} runs of each {subject.noun} at most: at each time over the runs that still "
             "fly then, so curves calm down as failures leave. Bands: all, and 5 to 95 %; the line is the median, the "
-            "dashed one the open run.") + place("envelopes")))
+            "dashed one the open run."
+            + (" The axes are logarithmic far from 0." if bent else "")) + place("envelopes")))
     return parts
 
 

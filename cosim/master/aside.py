@@ -47,10 +47,21 @@ class Aside:
         except (EOFError, OSError):
             done = False
         if done:
-            shutil.copytree(self.folder, place, dirs_exist_ok=True, copy_function=shutil.copyfile)
+            copy(self.folder, place)
         else:
             for work in self.works:
                 work(place, *arguments)
+
+
+def copy(folder: Path, place: Path) -> None:
+    """All files of a folder into another one. Raises OSError for the first that cannot be copied: `shutil.copytree`
+    goes on, and raises all that it met as one long text."""
+    for path in sorted(folder.rglob("*")):
+        target = place / path.relative_to(folder)
+        if path.is_dir():
+            target.mkdir(exist_ok=True)
+        else:
+            shutil.copyfile(path, target)
 
 
 @contextmanager

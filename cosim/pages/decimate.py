@@ -5,24 +5,47 @@ from collections.abc import Sequence
 import numpy as np
 
 SMALL, LARGE = 1e-30, 1e30  # what 32-bit floats hold with all their digits
+CLOSE = 1e-3  # of the range: a line between kept rows may be so far off, where there is room for more rows
+ROUNDS = 6
 
 
 def kept(values: np.ndarray, points: int) -> np.ndarray:
     """The rows to draw of `values`, shape (rows,): ascending, at most about `points` of them, the first and the last,
-    and every extreme. Rows between two equal values are left out."""
+    every extreme, both ends of what is not finite, and more where a line between them would be far off. Rows between
+    two equal values are left out."""
     count = len(values)
     rows = np.arange(count)
     if count > points:
-        size = -(-count // max(points // 2, 1))
-        whole = count // size * size
-        parts = np.where(np.isfinite(values[:whole]), values[:whole], np.nan).reshape(-1, size)
+        size = -(-count // max(points // 4, 1))
+        finite = np.isfinite(values)
+        parts = np.full((-(-count // size), size), np.nan)
+        parts.ravel()[:count][finite] = values[finite]
         low = np.where(np.isnan(parts), np.inf, parts).argmin(axis=1)
         high = np.where(np.isnan(parts), -np.inf, parts).argmax(axis=1)
-        begin = np.arange(0, whole, size)
-        rows = np.unique(np.concatenate(([0, count - 1], begin + low, begin + high, rows[whole:][:points])))
+        begin = np.arange(0, count, size)
+        gaps = np.flatnonzero(finite[1:] != finite[:-1])[:points // 8]
+        rows = np.unique(np.concatenate(([0, count - 1], begin + low, begin + high, gaps, gaps + 1)))
+        rows = nearer(values, rows, points // 2)
     chosen = values[rows]
     level = (chosen[1:-1] == chosen[:-2]) & (chosen[1:-1] == chosen[2:])
     return rows[np.concatenate(([True], ~level, [True]))[:len(rows)]] if len(rows) > 2 else rows
+
+
+def nearer(values: np.ndarray, rows: np.ndarray, most: int) -> np.ndarray:
+    """`rows` with at most `most` others, where a line between two of them is more than CLOSE off: the worst of each
+    such line, then of what is left."""
+    some = values[rows][np.isfinite(values[rows])]
+    every = np.arange(len(values))
+    for _ in range(ROUNDS if len(some) else 0):
+        with np.errstate(invalid="ignore", over="ignore"):
+            off = np.abs(np.interp(every, rows, values[rows]) - values)
+            far = np.flatnonzero(off > CLOSE * (some.max() - some.min()))
+        far = far[np.argsort(-off[far], kind="stable")]
+        found = far[np.sort(np.unique(np.searchsorted(rows, far), return_index=True)[1])][:most]
+        if not len(found):
+            break
+        rows, most = np.union1d(rows, found), most - len(found)
+    return rows
 
 
 def packed(time: np.ndarray, values: np.ndarray, points: int) -> dict[str, object]:
@@ -32,7 +55,7 @@ def packed(time: np.ndarray, values: np.ndarray, points: int) -> dict[str, objec
     rows = kept(values, points)
     chosen = values[rows]
     finite = chosen[np.isfinite(chosen)]
-    base = float(finite[0]) if len(finite) else 0.0
+    base = float(np.sort(finite)[len(finite) // 2]) if len(finite) else 0.0  # small values stay exact beside large ones
     with np.errstate(over="ignore"):
         largest = float(np.nan_to_num(np.abs(finite - base)).max(initial=0.0))
     if largest == 0.0 or SMALL < largest < LARGE:

@@ -47,7 +47,7 @@ class Flown:
 
 def windows(kind: str, text: str, time: np.ndarray, holds: np.ndarray) -> list[Mark]:
     """A mark for each time during which a condition holds; both arguments have shape (rows,). What holds at a row held
-    in the step that ended there."""
+    in the step that ended there. Times that are NARROW apart are one mark, whose text says so."""
     rows = np.flatnonzero(np.asarray(holds) != 0)
     if not len(rows):
         return []
@@ -55,7 +55,8 @@ def windows(kind: str, text: str, time: np.ndarray, holds: np.ndarray) -> list[M
     begins, ends = time[np.maximum(rows - 1, 0)], time[rows]
     apart = np.flatnonzero(begins[1:] - ends[:-1] > NARROW * span)
     first, last = np.concatenate(([0], apart + 1)), np.concatenate((apart, [len(rows) - 1]))
-    return [Mark(kind, text, float(begins[i]), float(ends[j])) for i, j in zip(first, last)]
+    return [Mark(kind, text if np.all(begins[i + 1:j + 1] <= ends[i:j]) else f"{text}, with pauses", float(begins[i]),
+                 float(ends[j])) for i, j in zip(first, last)]
 
 
 def ending(flight: Flight) -> list[Mark]:

@@ -46,6 +46,7 @@ def different(flown: Sequence[Flown]) -> str:
                                         "start_s", "stop_s") if k in one.record}).items()},
         **{f"FMU of {component}": f"{fmu.get('model')} {fmu.get('sha256', '')[:12]}"
            for component, fmu in one.flight.fmus.items()},
+        **({"steps made by hand": len(one.record["live"])} if isinstance(one.record.get("live"), list) else {}),
         **flat(one.flight.parameters)} for one in flown}
     return side_by_side(columns, "parameter", only_different=True)
 

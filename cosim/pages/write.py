@@ -94,11 +94,7 @@ def filled(title: str, outcome: str, body: str, scripts: Mapping[str, str], data
 def data_of(flown: Sequence[Flown], panels: Sequence[Panel]) -> dict[str, Any]:
     """What the page's script reads."""
     about: dict[str, dict[str, str]] = {}
-    for one in flown:
-        for column in one.flight.columns:
-            about.setdefault(column.name, {"unit": column.unit, "description": column.description})
-        for name, curve in one.curves.items():
-            about.setdefault(name, {"unit": curve.unit, "description": curve.description})
+    called = [called_in(one, about) for one in flown]
     shown = dict.fromkeys(name for panel in panels for name in panel.curves if name in about)
     names = [*shown, *(name for name in about if name not in shown)][:SIGNALS]
     about = {name: about[name] for name in names}
@@ -110,7 +106,22 @@ def data_of(flown: Sequence[Flown], panels: Sequence[Panel]) -> dict[str, Any]:
     return {"signals": about, "panels": [{"title": p.title, "curves": p.curves} for p in arranged],
             "chosen": list(shown) or [n for p in arranged[:PANELS] for n in p.curves[:CHOSEN]],
             "kinds": [{"name": kind, "text": text} for kind, text in kinds.items()],
-            "runs": [run_of(one, names, points) for one in flown]}
+            "runs": [run_of(one, {key: known[key] for key in names if key in known}, points)
+                     for one, known in zip(flown, called)]}
+
+
+def called_in(one: Flown, about: dict[str, dict[str, str]]) -> dict[str, str]:
+    """The name in the flight of each of its curves by its name on the page, which has the unit where another flight has
+    that name in another unit. What is new is added to `about`."""
+    curves = {column.name: {"unit": column.unit, "description": column.description} for column in one.flight.columns}
+    curves |= {name: {"unit": curve.unit, "description": curve.description} for name, curve in one.curves.items()}
+    found = {}
+    for name, said in curves.items():
+        same = (about.get(name, said)["unit"] or "1") == (said["unit"] or "1")
+        key = name if same else f"{name} in {said['unit'] or '1'}"
+        about.setdefault(key, said)
+        found[key] = name
+    return found
 
 
 def arrangement(about: Mapping[str, Mapping[str, str]], panels: Sequence[Panel]) -> list[Panel]:
@@ -125,20 +136,18 @@ def arrangement(about: Mapping[str, Mapping[str, str]], panels: Sequence[Panel])
     return [panel for panel in (*found, *rest) if panel.curves]
 
 
-def run_of(one: Flown, names: Iterable[str], points: int) -> dict[str, Any]:
-    """A flight's curves and marks."""
+def run_of(one: Flown, names: Mapping[str, str], points: int) -> dict[str, Any]:
+    """A flight's curves and marks; `names` are its curves by their names on the page."""
     flight = one.flight
     curves = {}
-    for name in names:
+    for key, name in names.items():
         if name in one.curves:
             course = one.curves[name].course
             found = course.time, np.asarray(course.values)
-        elif name in flight:
-            found = flight.time, np.asarray(flight[name])
         else:
-            continue
+            found = flight.time, np.asarray(flight[name])
         if len(found[0]):
-            curves[name] = packed(*found, points)
+            curves[key] = packed(*found, points)
     start, end = (float(flight.time[0]), float(flight.time[-1])) if len(flight.time) else (0.0, 0.0)
     marks = [{"kind": m.kind, "text": m.text, "begin": m.begin, "end": m.end} for m in marks_of(one)]
     return {"name": one.name, "start": start, "end": end, "curves": curves, "marks": marks}

@@ -1,9 +1,10 @@
 """What a page shows of our flights: which curves, which errors, and what happened when."""
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
+from ..errors import UsageError
 from ..master.flight import Flight
 from ..pages.flown import Curve, Flown, Mark, Panel, windows
 from .scenario_model import SCALES
@@ -30,6 +31,7 @@ FLAGS = (("controller.fuel_ratio_saturated", "saturation of the fuel ratio"),
          ("controller.elevator_saturated", "saturation of the elevator"),
          ("controller.protecting", "protection"))
 COMMANDS = (("scenario.V_command", "velocity", "ft/s"), ("scenario.h_command", "altitude", "ft"))
+FEW = 10    # so many steps may be in a flight of a few rows
 STEP = 1.0  # ft/s, ft: a smaller change from row to row is no step
 
 
@@ -52,10 +54,13 @@ def marks(flight: Flight) -> list[Mark]:
     return found
 
 
-def by_hand(made: Sequence[Mapping[str, Any]]) -> list[Mark]:
-    """The steps of a live flight, as run.json lists them."""
-    return [Mark("step made by hand", f"{step['input']} {step['value']:+.4g}" if step["value"] else
-                 f"{step['input']} back", step["time"]) for step in made]
+def by_hand(made: Any) -> list[Mark]:
+    """The steps of a live flight, as run.json lists them. Raises UsageError for anything else."""
+    try:
+        return [Mark("step made by hand", f"{step['input']} {step['value']:+.4g}" if step["value"] else
+                     f"{step['input']} back", float(step["time"])) for step in made]
+    except (TypeError, KeyError, ValueError):
+        raise UsageError("live in a run.json is no list of steps, each with time, input and value.") from None
 
 
 def steps(flight: Flight, name: str, what: str, unit: str) -> list[Mark]:
@@ -67,7 +72,7 @@ def steps(flight: Flight, name: str, what: str, unit: str) -> list[Mark]:
         values = np.concatenate(([base], values))  # the first step may be at the start
     time = np.concatenate((flight.time[:len(values) - len(flight.time)], flight.time))
     rows = np.flatnonzero(np.abs(np.diff(values)) > STEP) + 1
-    if len(rows) > len(values) // 20:  # it moves all the time
+    if len(rows) > max(FEW, len(values) // 20):  # it moves all the time
         return []
     return [Mark("step of a command", f"{what} command from {values[row - 1]:.7g} to {values[row]:.7g} {unit}",
                  float(time[row])) for row in rows]

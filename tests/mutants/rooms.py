@@ -98,7 +98,7 @@ ROOMS: dict[str, list[tuple[str, list[str] | None]]] = {
     ],
     "fitting": [
         ("cosim/fitting/picture.py", None),
-        ("cosim/fitting/*.py", ["system/test_fit system/test_fit_bad"]),
+        ("cosim/fitting/*.py", ["system/test_fit system/test_fit_bad -k not process and not command"]),
     ],
     "ecosystems": [
         ("cosim/ecosystems/function.py", ["system/test_function"]),

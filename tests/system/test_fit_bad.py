@@ -143,3 +143,10 @@ def test_columns_that_are_left_out_and_flights_that_begin_late_are_told(place, c
     assert f"{path} begins at 1 s, long after the flight, which begins at 0 s; --start sets another." in said
     assert f"{path}: speed is no signal of the system and is left out" in said
     assert f"{path}: a.a22 is a parameter and no signal; it is left out. --set {path}:a.a22=VALUE sets it." in said
+
+
+def test_a_flight_that_begins_as_long_before_as_it_is_measured_is_not_told(place, capfd):
+    path = place / "late.csv"
+    path.write_text("time,a.y\n1,1.0\n1.5,0.9\n2,0.7\n")
+    cosim.fit(one(place / "small_indirect.fmu"), [path], ["a.c1"])
+    assert "long after the flight" not in capfd.readouterr().err

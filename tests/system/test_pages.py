@@ -17,10 +17,11 @@ from cosim.master.wiring import Signal
 from cosim.pages.decimate import kept, packed
 from cosim.pages.flown import Curve, Flown, Mark, Panel, windows
 from cosim.pages.folder import named, results
+from cosim.pages.tables import different
 from cosim.pages.write import page, plain
 from cosim.systems.simulate import simulate
 from cosim.vehicle.compare import compare
-from cosim.vehicle.look import marks
+from cosim.vehicle.look import looked_at, marks
 from cosim.vehicle.run import run
 from cosim.vehicle.variants import variant
 from cosim.vehicle.view import view
@@ -250,6 +251,41 @@ def test_decimation_keeps_ends_and_extremes():
     assert strange["base"] == 1e300 and json.dumps(strange, allow_nan=False)
 
 
+def test_a_line_between_kept_rows_is_near_and_what_is_not_finite_stays_so():
+    time = np.arange(30_000) * 0.01
+    values = np.exp(-time) * np.sin(7 * time) + 0.01 * np.sin(time / 20)  # of which a bin has a fifth of a second
+    rows = kept(values, 2000)
+    assert len(rows) <= 2000
+    assert np.abs(np.interp(time, time[rows], values[rows]) - values).max() < 2e-3 * np.ptp(values)
+    values[[20_000, 20_001]] = np.nan
+    assert {19_999, 20_000, 20_001, 20_002} <= set(kept(values, 2000).tolist())
+    falling = packed(time, 1e6 * np.exp(-time), 2000)
+    y = falling["base"] + np.frombuffer(base64.b64decode(falling["y"]), "<f4").astype(float)
+    assert y[-1] == pytest.approx(1e6 * np.exp(-time[-1]), abs=1e-6)
+
+
+def test_steps_of_commands_are_marked_in_few_rows_and_steps_by_hand_differ():
+    command = np.where(np.arange(11) < 5, 7700.0, 7900.0)
+    flight = Flight(np.arange(11.0), command[:, None], [Signal("scenario.V_command", "ft/s", "")], True, "", 0.0, 0.0,
+                    {}, {})
+    assert [mark.begin for mark in marks(flight)] == [5.0]
+    for wrong in (5, [3], {"a": 1}, [{"time": "x", "input": "plant.scale_drag", "value": 0.1}], [{"time": 1.0}]):
+        with pytest.raises(UsageError, match="no list of steps"):
+            looked_at("a", flight, {"live": wrong})
+    made = [{"time": 1.0, "input": "plant.scale_drag", "value": 0.1}]
+    assert "steps made by hand" in different([Flown("a", flight, {}), Flown("b", flight, {"live": made})])
+
+
+def test_a_name_with_two_units_is_two_signals():
+    def flown(name: str, unit: str) -> Flown:
+        flight = Flight(np.arange(3.0), np.ones((3, 1)), [Signal("a.y", unit, "")], True, "", 0.0, 0.0, {}, {})
+        return Flown(name, flight, {})
+
+    data = data_in(page("x", [flown("first", "ft"), flown("second", "m"), flown("third", "ft")]))
+    assert {name: said["unit"] for name, said in data["signals"].items()} == {"a.y": "ft", "a.y in m": "m"}
+    assert [list(run["curves"]) for run in data["runs"]] == [["a.y"], ["a.y in m"], ["a.y"]]
+
+
 @pytest.mark.parametrize("largest", [1e300, 1.7e308, 1e39, 1e-42, 1e-300, 5e-324])
 def test_values_beyond_32_bits_keep_their_digits(largest):
     values = np.array([-largest, 0.0, largest / 3, np.nan, largest])
@@ -279,6 +315,10 @@ def test_windows_begin_with_the_step_in_which_they_hold():
     holds[[11, 12, 13, 14, 15, 500]] = 1
     assert [(w.begin, w.end) for w in windows("k", "t", time, holds)] == [(1.0, 1.5), (49.9, 50.0)]
     assert windows("k", "t", time, np.zeros(1001)) == []
+    chatters = np.zeros(1001)
+    chatters[[100, 101, 103]] = 1  # a pause that nobody would see
+    assert [(w.text, w.begin, w.end) for w in windows("k", "t", time, chatters)] == [
+        ("t, with pauses", time[99], time[103])]
 
 
 def fill(place: Path, word: str) -> None:

@@ -278,6 +278,9 @@ def test_what_cannot_be_flown_is_said(browser, file, tmp_path):
     page.locator("#choice-step").press("Enter")
     assert page.locator("#outcome").inner_text() == "Not flown"
     assert page.locator("#why").inner_text() == "The end, 100 s, is not a whole number of steps of 0.03 s."
+    page.evaluate("change({...state, step: 0.01, set: {'controller.k_gamma': 0.3}}); change({...state, step: 0.03})")
+    page.wait_for_timeout(1500)  # the flight before what is refused would be done by now
+    assert page.locator("#outcome").inner_text() == "Not flown" and page.locator("#command").input_value() == ""
     page.get_by_role("button", name="Fly the repaired gains").click()
     wait(watched, 2)
     page.get_by_text("Vehicle", exact=True).click()

@@ -31,7 +31,7 @@ function probability(colours) {
   const {Range1d, ColumnDataSource} = models, found = PAGE.overview.probability;
   const box = made("div", {class: "plot"});
   box.style.height = `${70 + 34 * found.length}px`;
-  const plot = frame(colours, {x: {range: new Range1d({start: 0, end: 100}), label: "success, % of the judged runs, with 95 % interval"},
+  const plot = frame(colours, {x: {range: new Range1d({start: 0, end: 100}), label: "success, % (line: 95 % interval)"},
     y: {range: new Range1d({start: found.length - 0.4, end: -0.6}), ticks: VARIANTS.map(({name}, i) => [i, name.length > 16 ? `${name.slice(0, 15)}…` : name])},
     options: {min_border_left: 120}});
   found.forEach(({p, interval: [low, high]}, i) => {
@@ -95,7 +95,7 @@ function envelopes(colours) {
     const y = limits(values.filter(Number.isFinite).map(to), false), range = new Range1d(y);
     const powers = [...Array(14).keys()].map((k) => bend * 10 ** k).filter((value) => to(value) <= Math.max(-y.start, y.end));
     if (to(bend) < 0.07 * (y.end - y.start)) powers.shift();  // next to 0
-    const ticks = bend ? [...powers.map((value) => -value), 0, ...powers].map((value) => [to(value), String(Number(value.toPrecision(3)))]) : undefined;
+    const ticks = bend ? [...powers.map((value) => -value).reverse(), 0, ...powers].map((value) => [to(value), String(Number(value.toPrecision(3)))]) : undefined;
     VARIANTS.forEach((variant, v) => {
       const {times, bands} = decoded_ones[v], box = made("div", {class: "plot"}), rows = bands[name];
       if (!rows) return;

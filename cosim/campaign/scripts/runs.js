@@ -82,7 +82,7 @@ async function put(group, figures) {  // [element, plot] each, in place of those
   const made = new Document();
   documents.set(group, made);
   figures.forEach(([, plot]) => made.add_root(plot));
-  await Bokeh.embed.add_document_standalone(made, document.body, figures.map(([box]) => box));
+  await embed(made, figures.map(([box]) => box));
 }
 
 function glyph(plot, kind, source, options) {

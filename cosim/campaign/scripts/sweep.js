@@ -20,7 +20,7 @@ function borders(points) {  // half way between neighbours
 }
 function ticks_of(axis) {
   const every = Math.ceil(axis.levels.length / MOST_TICKS), at = places_of(axis);
-  return axis.levels.map((level, i) => [at[i], level_text(level)]).filter((_, i) => i % every === 0);
+  return axis.levels.map((level, i) => [at[i], level_text(level)]).filter((_, i) => i % every === 0).sort(([a], [b]) => a - b);
 }
 
 function sweep(colours) {

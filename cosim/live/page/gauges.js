@@ -84,7 +84,11 @@ class Gauge {
 
   set(row) {
     const value = row(this.signal), goal = this.commanded ? row(this.commanded) : null;
-    if (value === null) return;
+    if (value === null) {  // not finite: the needle has no place
+      this.number.textContent = "–";
+      this.needle.setAttribute("visibility", "hidden");
+      return;
+    }
     for (const shown of [value, goal]) if (shown !== null) this.widen(shown);
     const text = figure(value, this.places);
     this.number.textContent = text;

@@ -41,6 +41,11 @@ for (const name of ["Plot", "Range1d", "LinearAxis", "LogAxis", "Grid", "Line", 
                     "SaveTool", "LinearScale", "LogScale", "BasicTickFormatter", "FixedTicker", "LogTickFormatter", "NoOverlap"])
   models[name] = Bokeh.Models.get(name);
 
+async function embed(drawing, boxes) {  // Tab passes over plots: by keyboard they do nothing
+  const views = await Bokeh.embed.add_document_standalone(drawing, document.body, boxes);
+  for (const {canvas_view} of views) if (canvas_view) canvas_view.events_el.tabIndex = -1;  // one view is of no plot
+}
+
 function scheme() {  // the colours of the page as it is now
   const style = getComputedStyle(document.documentElement), name = dark() ? "dark" : "light";
   document.documentElement.dataset.scheme = name;

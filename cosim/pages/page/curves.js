@@ -15,11 +15,13 @@ function course(run, name) {  // times and values of a curve, in the unit that i
   return decoded.get(key);
 }
 
-function shownUnit(unit) {
-  if (state.angles === "deg" && /(^|[^a-z])rad([^a-z]|$)/.test(unit) && !unit.includes("frequency"))
-    return [unit.replace(/(^|[^a-z])rad([^a-z]|$)/, "$1deg$2"), DEGREES];
+function shownUnit(unit) {  // angles and their rates; what is per radian, or of a power of them, stays as it is
+  if (state.angles === "deg" && /^rad(?=$|[/ .*·])/.test(unit) && unit.lastIndexOf("rad") === 0)
+    return [`deg${unit.slice(3)}`, DEGREES];
   return [unit, 1];
 }
+
+const alike = (a, b) => a.length === b.length && a.every((value, i) => Object.is(value, b[i]));
 
 const state = {chosen: new Set(), angles: "deg", hidden: new Set(), printing: false,
                range: null, panels: [], document: null, waiting: false};
@@ -119,13 +121,12 @@ async function draw() {
     if (!names.length) continue;
     const curves = [];
     names.forEach((name, i) => DATA.runs.forEach((run, r) => {
-      const found = course(r, name), packed = run.curves[name];
+      const found = course(r, name);
       if (!found) return;
-      const same = packed.y && curves.find((c) => c.name === name && c.packed.y === packed.y && c.packed.t === packed.t
-                                      && c.packed.base === packed.base && c.packed.scale === packed.scale);
+      const same = curves.find((c) => c.name === name && alike(c.course.y, found.y) && alike(c.course.x, found.x));
       if (same) { same.runs.push(run.name); return; }  // not the same curve over itself
       const kind = several ? r : i, again = Math.floor(r / colours.length);  // how often all colours were used before
-      curves.push({name, packed, runs: [run.name], course: found, colour: colours[kind % colours.length],
+      curves.push({name, runs: [run.name], course: found, colour: colours[kind % colours.length],
                    dash: LINES[(several && names.length > 1 ? i + again * names.length : kind) % LINES.length],
                    width: several || i === 0 ? 1.8 : 1.6, output: made("output")});
     }));
@@ -147,7 +148,7 @@ async function draw() {
   if (state.document) state.document.clear();  // the range goes to the new one
   state.document = new Document();
   panels.forEach((panel) => state.document.add_root(panel.plot));
-  await Bokeh.embed.add_document_standalone(state.document, one("charts"), panels.map((panel) => panel.box));
+  await embed(state.document, panels.map((panel) => panel.box));
   document.documentElement.dataset.drawn = String(turn);
 }
 let drawn = 0;

@@ -6,7 +6,7 @@ const about = JSON.parse(at("about").textContent);
 // Answers requests one after the other; of those that wait, the last one only.
 class Pilot {
   constructor(show, complain) {
-    Object.assign(this, { show, complain, busy: false, waiting: null, id: 0 });
+    Object.assign(this, { show, complain, busy: false, waiting: null, stale: false, id: 0 });
     try {
       const url = URL.createObjectURL(new Blob([at("engine").textContent], { type: "text/javascript" }));
       this.worker = new Worker(url);
@@ -39,6 +39,12 @@ class Pilot {
     else this.compute(request);
   }
 
+  // What is asked for is no longer wanted: no answer to it is shown.
+  forget() {
+    this.waiting = null;
+    this.stale = Boolean(this.busy);
+  }
+
   async compute(request) {
     const id = this.id;
     try {
@@ -50,10 +56,10 @@ class Pilot {
 
   answered({ id, result, error }) {
     if (id !== this.id) return;
-    const next = this.waiting;
+    const { waiting: next, stale } = this;
     this.busy = this.waiting = null;
-    if (error) this.complain(error);
-    else this.show(result);
+    this.stale = false;
+    if (!stale) error ? this.complain(error) : this.show(result);
     if (next) this.fly(next);
   }
 }
@@ -104,8 +110,10 @@ function change(next) {
   const wrong = refusal(about, state);
   at("command").value = wrong ? "" : command(about, state);
   at("link").value = wrong ? "" : `${location.href.split("#")[0]}#${toFragment(about, state)}`;
-  if (wrong) complain(wrong);
-  else pilot.fly(request(state));
+  if (wrong) {
+    pilot.forget();
+    complain(wrong);
+  } else pilot.fly(request(state));
 }
 
 const controls = new Controls(at("controls"), about, change, complain);
