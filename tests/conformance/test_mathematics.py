@@ -1,4 +1,4 @@
-"""The native flavour's mathematical functions, against decimal arithmetic of 60 digits, and whose functions it calls."""
+"""The native flavour's mathematical functions against decimal arithmetic of 60 digits; whose functions it calls."""
 import math
 import re
 import subprocess
