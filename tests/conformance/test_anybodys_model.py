@@ -8,7 +8,6 @@ import pytest
 from flying import running, step
 
 import cosim.cli.app as cli
-from cosim.vehicle.registry import MODELS
 from fmus.builder import build
 from fmus.check_model import ModelError
 
@@ -117,8 +116,6 @@ def test_the_command_says_the_mistake_and_ends_with_2(elsewhere, monkeypatch, ca
     written(elsewhere, "tank_room.model")
     file = elsewhere / "tank_room" / "model.py"
     file.write_text(file.read_text().replace('"1/s", 2.0', '"1/furlong", 2.0'))
-    for name in list(MODELS):
-        monkeypatch.delitem(MODELS, name)
-    monkeypatch.setitem(MODELS, "Tank", "tank_room.model")
+    monkeypatch.setattr("cosim.cli.build.MODELS", {"Tank": "tank_room.model"})
     assert cli.done(["build", "--flavour", "python"]) == 2
     assert capsys.readouterr().err.startswith("ahv: Tank: rate: in the unit '1/furlong', 'furlong' is not known; ")

@@ -122,6 +122,7 @@ def sanitized(members, folder):
             *(m.compiled(place / f"{m.name}.so", compiler=compiler) for m in members)]
 
 
+@pytest.mark.slow
 def test_sanitizers_have_nothing_to_report_in_case_1(sanitized):
     run(*sanitized, 100, 1)
 

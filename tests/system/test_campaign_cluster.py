@@ -283,6 +283,7 @@ $BIN/ahv campaign $FILE --out $OUT/flown $address --tls-ca $CERT/ca.pem --tls-ce
 """
 
 
+@pytest.mark.slow  # half a minute on an idle machine
 def test_two_hosts_with_tls(expected, tmp_path):
     isolated = ["unshare", "-Urn"]
     if not shutil.which("ip") or subprocess.run([*isolated, "ip", "link"], capture_output=True).returncode:

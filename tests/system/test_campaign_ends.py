@@ -52,7 +52,8 @@ MOMENTS = {
 
 @pytest.mark.parametrize("moment", [moment if moment == "flying" else pytest.param(moment, marks=pytest.mark.slow)
                                     for moment in MOMENTS])
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT, signal.SIGKILL])
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGKILL,
+                                    pytest.param(signal.SIGINT, marks=pytest.mark.slow)])
 def test_everything_ends_soon_and_resume_goes_on(whole, tmp_path, number, moment):
     file, expected = whole
     out, temporary = tmp_path / "out", tmp_path / "temporary"

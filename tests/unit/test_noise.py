@@ -38,6 +38,7 @@ def long(request):
     return drawn(request.param, 200_000)
 
 
+@pytest.mark.slow
 def test_a_thousand_pairs_of_neighbouring_seeds_do_not_correlate():
     n, kept, found = 8_000, drawn(1, 8_000), []
     for seed in range(2, 1002):
