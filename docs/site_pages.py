@@ -28,7 +28,7 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
         content = f"# Licence\n\n```text\n{text}```\n" if name == "LICENSE" else re.sub(r"\]\(([^)]+)\)", moved, text)
         files.append(File.generated(config, target, content=content))
     if config.extra["playground"]:
-        files.append(File.generated(config, PLAYGROUND, content=write.page(write.modules())))
+        files.append(File.generated(config, PLAYGROUND, content=write.page(write.module())))
     return files
 
 
