@@ -92,7 +92,7 @@ static inline double own_series_cos(double r, double t)
            - r * t));
 }
 
-/* The quarter turn n in which x lies (its last two bits), and x = n pi/2 + r + t. Pi/2 comes in parts of 33 bits. */
+/* The quarter turn n in which x lies, and x = n pi/2 + r + t. Pi/2 comes in parts of 33 bits. */
 static inline unsigned own_reduced(double x, double *r, double *t)
 {
     const double n = (x * 0x1.45f306dc9c883p-1 + INTEGER) - INTEGER;
@@ -100,40 +100,25 @@ static inline unsigned own_reduced(double x, double *r, double *t)
     const double low = n * 0x1.3198a2e037073p-69 - ((first - rest) - second);
     *r = rest - low;
     *t = (rest - *r) - low;
-    return (unsigned)(int64_t)n & 3;
+    return (unsigned)(int64_t)n;
 }
 
-static APART double own_far_sin(double x)
+/* The sine of x and so many quarter turns more; of one more it is the cosine of x. */
+static APART double own_far_sin(double x, unsigned more)
 {
     double r, t;
     if (!(fabs(x) < LONG_ANGLE))
-        return sin(x);
-    switch (own_reduced(x, &r, &t)) {
-    case 0: return own_series_sin(r, t);
-    case 1: return own_series_cos(r, t);
-    case 2: return -own_series_sin(r, t);
-    default: return -own_series_cos(r, t);
-    }
-}
-
-static APART double own_far_cos(double x)
-{
-    double r, t;
-    if (!(fabs(x) < LONG_ANGLE))
-        return cos(x);
-    switch (own_reduced(x, &r, &t)) {
-    case 0: return own_series_cos(r, t);
-    case 1: return -own_series_sin(r, t);
-    case 2: return -own_series_cos(r, t);
-    default: return own_series_sin(r, t);
-    }
+        return more ? cos(x) : sin(x);
+    const unsigned quarter = own_reduced(x, &r, &t) + more;
+    const double sine = quarter & 1 ? own_series_cos(r, t) : own_series_sin(r, t);
+    return quarter & 2 ? -sine : sine;
 }
 
 static inline double own_sin(double x)
 {
     const double z = x * x, zz = z * z;
     if (!(z < SHORT_ANGLE * SHORT_ANGLE))
-        return own_far_sin(x);
+        return own_far_sin(x, 0);
     return x + x * z * ((-1.0 / 6 + z * (1.0 / 120)) + zz * ((-1.0 / 5040 + z * (1.0 / 362880))
            + zz * ((-1.0 / 39916800 + z * (1.0 / 6227020800.0)) - zz * (1.0 / 1307674368000.0))));
 }
@@ -142,7 +127,7 @@ static inline double own_cos(double x)
 {
     const double z = x * x, zz = z * z;
     if (!(z < SHORT_ANGLE * SHORT_ANGLE))
-        return own_far_cos(x);
+        return own_far_sin(x, 1);
     return 1 + (-0.5 * z + zz * ((1.0 / 24 - z * (1.0 / 720)) + zz * ((1.0 / 40320 - z * (1.0 / 3628800))
            + zz * (1.0 / 479001600 - z * (1.0 / 87178291200.0)))));
 }
