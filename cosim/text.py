@@ -1,6 +1,6 @@
 """Words and tables for people, as plain text and HTML. Texts come from strangers' FMUs: shown, never obeyed."""
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 
 LONGEST_WORD, LONGEST_SENTENCE = 300, 4000  # characters
@@ -53,6 +53,12 @@ def html_table(headings: Sequence[str], rows: Iterable[Sequence[object]]) -> str
 def html_text(value: object) -> str:
     """A value for people to read, escaped for HTML."""
     return escape(shown(value))
+
+
+def filled_in(template: str, parts: Mapping[str, str]) -> str:
+    """A template with its {{names}} replaced by `parts`, at once: what is filled in is never looked through again."""
+    first, *rest = template.split("{{")
+    return first + "".join(parts[name] + text for name, _, text in (piece.partition("}}") for piece in rest))
 
 
 def in_python(sentence: str) -> str:

@@ -10,7 +10,7 @@ from ..master.desk import Desk
 from ..master.flight import Flight
 from ..pages.write import fingerprint
 from ..pages.write import read as read_shared
-from ..text import html_text
+from ..text import filled_in, html_text
 from .board import Board
 from .feed import Feed
 from .server import Server
@@ -65,9 +65,7 @@ def page(title: str) -> tuple[str, str]:
     style, script = parts()
     policy = (f"default-src 'none'; script-src {fingerprint(script)}; style-src {fingerprint(style)}; "
               f"connect-src 'self'; img-src data:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'")
-    pieces = {"title": html_text(title), "style": style, "script": script}
-    first, *rest = (FILES / "live.html").read_text(encoding="utf-8").split("{{")
-    return first + "".join(pieces[name] + text for name, _, text in (piece.partition("}}") for piece in rest)), policy
+    return filled_in(read("live.html"), {"title": html_text(title), "style": style, "script": script}), policy
 
 
 @cache

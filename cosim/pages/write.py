@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from ..text import html_text
+from ..text import filled_in, html_text
 from .decimate import packed
 from .flown import Flown, Mark, Panel, ending
 from .tables import different, figures_table, files_table, marks_table, parameters_tables
@@ -87,8 +87,7 @@ def filled(title: str, outcome: str, body: str, scripts: Mapping[str, str], data
              "made": f"Made by ahv {html_text(version('ahv'))}.", "scripts": "\n".join(elements), "body": body,
              "licence": "<p>Curves are drawn by Bokeh, whose licence (BSD-3-Clause) is in this file.</p>"
              if scripts else ""}
-    pieces = read("page.html").split("{{")  # once: what is filled in is never looked through again
-    return pieces[0] + "".join(parts[name] + rest for name, _, rest in (piece.partition("}}") for piece in pieces[1:]))
+    return filled_in(read("page.html"), parts)
 
 
 def data_of(flown: Sequence[Flown], panels: Sequence[Panel]) -> dict[str, Any]:

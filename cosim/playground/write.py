@@ -1,11 +1,11 @@
 """Writes the page: one file with everything in it, for `file://` as well as for a server."""
 import base64
-import hashlib
-import json
 from collections.abc import Mapping
 from pathlib import Path
 
 from ..master.whole_file import whole
+from ..pages.write import embedded, fingerprint
+from ..text import filled_in
 from .compile import module
 from .data import about
 
@@ -37,10 +37,7 @@ def page(module: bytes) -> str:
     scripts = {name: "\n".join(map(read, files)) for name, files in SCRIPTS.items()}
     parts = {"policy": policy(style, scripts), "style": style, "data": embedded(data),
              "licence": read("uplot/LICENSE"), **scripts}
-    html = read("page.html")
-    for name, text in parts.items():
-        html = html.replace(f"{{{{{name}}}}}", text)
-    return html
+    return filled_in(read("page.html"), parts)
 
 
 def read(name: str) -> str:
@@ -48,18 +45,8 @@ def read(name: str) -> str:
     return (FILES / name).read_text(encoding="utf-8")
 
 
-def embedded(data: object) -> str:
-    """JSON that can stand in a script element, whatever its texts are."""
-    return json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
-
-
 def policy(style: str, scripts: Mapping[str, str]) -> str:
     """What the page may do: run its own scripts and modules, and load nothing."""
     allowed = " ".join(map(fingerprint, scripts.values()))
     return (f"default-src 'none'; script-src {allowed} 'wasm-unsafe-eval'; worker-src blob:; "
             f"style-src {fingerprint(style)}; img-src data:; base-uri 'none'; form-action 'none'")
-
-
-def fingerprint(text: str) -> str:
-    """How a content security policy names an element's text."""
-    return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
